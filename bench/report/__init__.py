@@ -1,0 +1,1 @@
+"""One HTML file that says what was run and how wrong it was."""

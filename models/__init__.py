@@ -1,0 +1,1 @@
+"""Spacecraft, cameras, lights, motion and conventions: no renderer, no truth."""

@@ -1,0 +1,226 @@
+"""The pinhole camera with Brown-Conrady distortion, and both cameras of Opromolla 2022.
+
+Axes are OpenCV's: x right, y down, z forward. Pixel centres are integers, so the middle of a
+2048 x 2048 image is (1023.5, 1023.5) and the image spans [-0.5, 2047.5].
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+from numpy.typing import ArrayLike
+
+from models.arrays import Floats, Mask
+from models.errors import ScenarioError
+
+UNDISTORT_TOLERANCE = 1e-12  # in normalised coordinates: 2e-9 px at f = 2196 px
+UNDISTORT_ITERATIONS = 50
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A calibrated camera.
+
+    Attributes
+    ----------
+    width, height : int, px
+    fx, fy : float, px
+        Focal lengths.
+    cx, cy : float, px
+        Principal point; pixel centres are integers.
+    k1, k2, p1, p2, k3 : float
+        Brown-Conrady coefficients in OpenCV's order and sense.
+
+    Raises
+    ------
+    ScenarioError
+        If a size or focal length is not positive or a value is not finite.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise ScenarioError(f"camera: expected a number for {field.name}, got {value!r}")
+            if not np.isfinite(value):
+                raise ScenarioError(f"camera: expected a finite {field.name}, got {value}")
+        for name in ("width", "height", "fx", "fy"):
+            if getattr(self, name) <= 0:
+                raise ScenarioError(
+                    f"camera: expected {name} in px above zero, got {getattr(self, name)}"
+                )
+
+    @classmethod
+    def from_fov(cls, width: int, height: int, fov_deg: float) -> Camera:
+        """Build an undistorted camera from its horizontal field of view, centred."""
+        if not 0.0 < fov_deg < 180.0:
+            raise ScenarioError(f"camera: expected fov_deg between 0 and 180, got {fov_deg}")
+        focal = float(0.5 * width / np.tan(np.deg2rad(0.5 * fov_deg)))
+        return cls(width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1))
+
+    @property
+    def distortion(self) -> Floats:
+        """(5,) array: k1, k2, p1, p2, k3, as OpenCV orders them."""
+        return np.array([self.k1, self.k2, self.p1, self.p2, self.k3])
+
+    @property
+    def distorted(self) -> bool:
+        """Whether any coefficient is not zero."""
+        return bool(self.distortion.any())
+
+    @property
+    def matrix(self) -> Floats:
+        """(3, 3) array, px: the calibration matrix K."""
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    def resized(self, width: int) -> Camera:
+        """Return the same optics on ``width`` columns, pixels larger or smaller to fit."""
+        scale = width / self.width
+        height = round(self.height * scale)
+        return replace(
+            self,
+            width=width,
+            height=height,
+            fx=self.fx * scale,
+            fy=self.fy * scale,
+            cx=(self.cx + 0.5) * scale - 0.5,
+            cy=(self.cy + 0.5) * scale - 0.5,
+        )
+
+    def distort(self, normalised: ArrayLike) -> Floats:
+        """Map undistorted normalised coordinates (n, 2) to distorted ones (Brown 1966)."""
+        x, y = np.moveaxis(np.asarray(normalised, dtype=np.float64), -1, 0)
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+        return np.stack(
+            [
+                x * radial + 2.0 * self.p1 * x * y + self.p2 * (r2 + 2.0 * x * x),
+                y * radial + self.p1 * (r2 + 2.0 * y * y) + 2.0 * self.p2 * x * y,
+            ],
+            axis=-1,
+        )
+
+    def undistort(self, normalised: ArrayLike) -> Floats:
+        """Map distorted normalised coordinates (n, 2) to undistorted ones, by fixed point.
+
+        Raises
+        ------
+        ValueError
+            If the iteration does not converge: the distortion folds over inside the image.
+        """
+        distorted = np.asarray(normalised, dtype=np.float64)
+        guess = distorted.copy()
+        if not self.distorted:
+            return guess
+        for _ in range(UNDISTORT_ITERATIONS):
+            step = distorted - self.distort(guess)
+            guess = guess + step
+            if not (np.abs(step) > UNDISTORT_TOLERANCE).any():
+                return guess
+        raise ValueError(
+            "expected a distortion that can be undone over the image; "
+            f"after {UNDISTORT_ITERATIONS} steps {np.abs(step).max():.2g} is left; "
+            "check the coefficients' order (k1, k2, p1, p2, k3)"
+        )
+
+    def project(self, points_in_cam: ArrayLike) -> Floats:
+        """Project points in front of the camera.
+
+        Parameters
+        ----------
+        points_in_cam : (n, 3) or (3,) array, m
+
+        Returns
+        -------
+        (n, 2) or (2,) array, px; NaN for a point that is not in front of the camera.
+        """
+        points = np.asarray(points_in_cam, dtype=np.float64)
+        depth = np.where(points[..., 2:] > 0.0, points[..., 2:], np.nan)
+        distorted = self.distort(points[..., :2] / depth)
+        return distorted * [self.fx, self.fy] + [self.cx, self.cy]
+
+    def normalise(self, points_px: ArrayLike) -> Floats:
+        """Return undistorted normalised coordinates (n, 2) of pixels (n, 2)."""
+        pixels = np.asarray(points_px, dtype=np.float64)
+        return self.undistort((pixels - [self.cx, self.cy]) / [self.fx, self.fy])
+
+    def rays(self, points_px: ArrayLike) -> Floats:
+        """Return unit directions in cam, (n, 3), through pixels (n, 2)."""
+        normalised = self.normalise(points_px)
+        directions = np.concatenate([normalised, np.ones((*normalised.shape[:-1], 1))], axis=-1)
+        return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+
+    def contains(self, points_px: ArrayLike, margin_px: float = 0.0) -> Mask:
+        """Tell which pixels (n, 2) lie in the image, at least ``margin_px`` from its edge."""
+        u, v = np.moveaxis(np.asarray(points_px, dtype=np.float64), -1, 0)
+        low, right, bottom = margin_px - 0.5, self.width - 0.5, self.height - 0.5
+        inside = (u >= low) & (u <= right - margin_px) & (v >= low) & (v <= bottom - margin_px)
+        return np.asarray(inside)
+
+    def to_toml(self) -> str:
+        """Write the camera as TOML text that ``from_toml`` reads back exactly."""
+        return tomli_w.dumps({key: value for key, value in asdict(self).items()})
+
+    @classmethod
+    def from_toml(cls, path: Path) -> Camera:
+        """Read a camera file.
+
+        Raises
+        ------
+        ScenarioError
+            If the file is missing, is not TOML, or has an unknown or a missing key.
+        """
+        try:
+            table = tomllib.loads(path.read_text())
+        except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise ScenarioError(f"{path}: expected a camera as TOML, got: {error}") from error
+        known = {field.name for field in fields(cls)}
+        unknown = sorted(set(table) - known)
+        missing = sorted({"width", "height", "fx", "fy", "cx", "cy"} - set(table))
+        if unknown or missing:
+            raise ScenarioError(
+                f"{path}: expected the camera keys {', '.join(sorted(known))}; "
+                f"unknown: {', '.join(unknown) or 'none'}; missing: {', '.join(missing) or 'none'}"
+            )
+        for key in ("width", "height"):
+            if not isinstance(table[key], int):
+                raise ScenarioError(f"{path}: expected an integer {key}, got {table[key]!r}")
+        return cls(**table)
+
+
+CAMERAS: dict[str, Camera] = {
+    # Opromolla et al. 2022, Tables 1 and 3. The field of view decides, see the reference tables.
+    "chaser_fixed": Camera.from_fov(2048, 2048, 50.0),
+    "eye_in_hand": Camera.from_fov(2048, 2048, 45.0),
+}
+
+
+def camera_preset(name: str) -> Camera:
+    """Return a camera by name.
+
+    Raises
+    ------
+    ScenarioError
+        If no preset has that name; the message lists those there are.
+    """
+    if name not in CAMERAS:
+        raise ScenarioError(
+            f"expected a camera preset among {', '.join(sorted(CAMERAS))}, got {name!r}"
+        )
+    return CAMERAS[name]

@@ -1,0 +1,25 @@
+"""The few exceptions of the house. Each says what was expected, what came, and what to do.
+
+The command line turns any of them into one message and exit code 2. Failure to find a pose is
+not here: it is a value, ``models.estimate.NoPose``.
+"""
+
+
+class RvbenchError(Exception):
+    """Something that its reader can mend; the message says how."""
+
+
+class ScenarioError(RvbenchError):
+    """A scenario, camera or option that cannot be used as it stands."""
+
+
+class DatasetError(RvbenchError):
+    """A dataset folder that is missing, truncated, of another version or inconsistent."""
+
+
+class VariantError(RvbenchError):
+    """No Mitsuba variant that renders on this machine."""
+
+
+class StorageError(RvbenchError):
+    """A disk that is full or cannot be written."""

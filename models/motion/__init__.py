@@ -1,0 +1,1 @@
+"""Orbits, relative motion and attitude."""

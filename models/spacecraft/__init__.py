@@ -1,0 +1,1 @@
+"""Targets and chasers as named, dimensioned parts."""

@@ -1,0 +1,66 @@
+"""A spacecraft as named parts: a mesh in the target frame and the name of its material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+from models.arrays import Floats
+from models.frame import MarkerPattern
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One named piece of a spacecraft.
+
+    Attributes
+    ----------
+    name : str
+        What an engineer calls it: ``launch_adaptor_ring``, ``solar_wing_plus_y``. Parts that
+        share a name share a label.
+    mesh : trimesh.Trimesh
+        Triangles in the body frame, m; normals outward.
+    material : str
+        A key of ``models.materials.MATERIALS``.
+    smooth : bool
+        Whether vertex normals are interpolated over the faces (curved parts) or not (flat ones).
+    """
+
+    name: str
+    mesh: trimesh.Trimesh
+    material: str
+    smooth: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Spacecraft:
+    """A target or chaser.
+
+    Attributes
+    ----------
+    name : str
+    parts : tuple of Part
+        Everything but the markers' faces, in the body frame, m.
+    markers : MarkerPattern or None
+        The retroreflectors; the renderer makes their discs.
+    centre_of_mass : (3,) array, m
+        In the body frame.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    markers: MarkerPattern | None
+    centre_of_mass: Floats
+
+    @property
+    def part_names(self) -> tuple[str, ...]:
+        """The names in order of first use; label k + 1 means ``part_names[k]``."""
+        return tuple(dict.fromkeys(part.name for part in self.parts))
+
+    @property
+    def bounds(self) -> Floats:
+        """(2, 3) array, m: lowest and highest corner of the bounding box."""
+        corners = np.array([part.mesh.bounds for part in self.parts])
+        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])

@@ -1,0 +1,1 @@
+"""What flies: frames in, estimates out."""

@@ -1,0 +1,1 @@
+"""Markers found in image pairs."""

@@ -1,0 +1,1 @@
+"""Pose from points: the solvers."""

@@ -1,0 +1,1 @@
+"""Light and truth; importing this room loads no renderer."""
