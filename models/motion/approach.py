@@ -10,7 +10,7 @@ paper leaves x and y open; so the ellipse's curvature carries the aim towards -x
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,8 @@ from models.motion.clohessy_wiltshire import (
 from models.pose import RigidTransform
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
 
-PATTERN_CENTRE = tuple(float(x) for x in RETROREFLECTORS.points_in_target.mean(axis=0))
+_X, _Y, _Z = RETROREFLECTORS.points_in_target.mean(axis=0).tolist()
+PATTERN_CENTRE: tuple[float, float, float] = (_X, _Y, _Z)
 
 # Rows: the orbital target axes x, y, z in (radial, along-track, normal).
 ORBITAL_TARGET_FROM_HILL = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
@@ -71,7 +72,7 @@ class Approach:
     duration_s: float = 330.0
     target_com_to_ring_m: float = 1.8
     chaser_com_to_camera_m: float = 1.5
-    pattern_centre: tuple[float, float, float] = field(default=PATTERN_CENTRE)
+    pattern_centre: tuple[float, float, float] = PATTERN_CENTRE
     aim_slew_m: float = 0.153
     aim_slew_middle_s: float = 268.0
     aim_slew_time_s: float = 15.5
@@ -146,7 +147,7 @@ class Approach:
         (Opromolla et al. 2022, section 5.1.1).
         """
         wander = self.along_track_curvature_m(time_s) + self.aim_slew(time_s)
-        return np.array(self.pattern_centre) + [wander, 0.0, 0.0]
+        return np.array(self.pattern_centre) + np.array([wander, 0.0, 0.0])
 
     def orbital_target_from_target(self, time_s: float) -> RigidTransform:
         """Return the target's true pose: it sways about its centre of mass."""

@@ -49,7 +49,7 @@ class AttitudeWobble:
                 raise ValueError(f"expected a finite {name} of at least zero, got {value}")
         rng = np.random.default_rng(seed)
         shape = (3, SINUSOIDS)
-        period_s = np.exp(rng.uniform(*np.log(PERIODS_S), size=shape))
+        period_s = np.exp(rng.uniform(np.log(PERIODS_S[0]), np.log(PERIODS_S[1]), size=shape))
         share = rng.uniform(0.3, 1.0, size=shape) * period_s  # the slower, the further
         swing_deg = share * (1.0 - BIAS_SHARE) * accuracy_deg / share.sum(axis=1, keepdims=True)
         rate_deg_s = (2.0 * np.pi * swing_deg / period_s).sum(axis=1, keepdims=True)
