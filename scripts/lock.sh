@@ -1,0 +1,30 @@
+#!/bin/sh
+# Pins every dependency of pyproject.toml, with hashes, for CPython 3.11 and later on any platform:
+# requirements.lock to run, requirements-dev.lock to test. Takes uv from the path, or gets it.
+set -eu
+cd "$(dirname "$0")/.."
+
+uv=$(command -v uv || true)
+if [ -z "$uv" ]; then
+    [ -x .venv-lock/bin/uv ] || {
+        "$(scripts/find_python.sh)" -m venv .venv-lock
+        .venv-lock/bin/python -m pip install --quiet uv
+    }
+    uv=.venv-lock/bin/uv
+fi
+
+compile() { # OUTPUT [OPTION...]; setuptools builds the house itself, so it is pinned too
+    output=$1
+    shift
+    {
+        echo "# Made by 'make lock' from pyproject.toml; change that, not this."
+        echo 'setuptools>=77' | "$uv" --no-config pip compile pyproject.toml - \
+            --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+            --no-emit-find-links --no-annotate --no-header --quiet "$@"
+    } >"$output.part"
+    mv "$output.part" "$output"
+    echo "wrote $output ($(grep -c '==' "$output") packages)"
+}
+
+compile requirements.lock
+compile requirements-dev.lock --extra dev --constraint requirements.lock
