@@ -117,26 +117,49 @@ class Camera:
         )
 
     def undistort(self, normalised: ArrayLike) -> Floats:
-        """Map distorted normalised coordinates (n, 2) to undistorted ones, by fixed point.
+        """Map distorted normalised coordinates (n, 2) to undistorted ones, by Newton's method.
+
+        A NaN stays NaN.
 
         Raises
         ------
         ValueError
-            If the iteration does not converge: the distortion folds over inside the image.
+            If it does not converge, or only beyond the fold: the distortion folds over inside the
+            image.
         """
         distorted = np.asarray(normalised, dtype=np.float64)
         guess = distorted.copy()
         if not self.distorted:
             return guess
-        for _ in range(UNDISTORT_ITERATIONS):
-            step = distorted - self.distort(guess)
-            guess = guess + step
-            if not (np.abs(step) > UNDISTORT_TOLERANCE).any():
-                return guess
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for _ in range(UNDISTORT_ITERATIONS):
+                xx, xy, yy = self._distortion_slopes(guess)
+                determinant = xx * yy - xy * xy
+                error_x, error_y = np.moveaxis(distorted - self.distort(guess), -1, 0)
+                step = np.stack([yy * error_x - xy * error_y, xx * error_y - xy * error_x], axis=-1)
+                step /= determinant[..., None]
+                guess = guess + step
+                settled = (np.abs(step) <= UNDISTORT_TOLERANCE).all(axis=-1)
+                undone = settled & (determinant > 0.0) & (xx + yy > 0.0)
+                undone |= ~np.isfinite(distorted).all(axis=-1)
+                if undone.all():
+                    return guess
         raise ValueError(
             "expected a distortion that can be undone over the image; "
-            f"after {UNDISTORT_ITERATIONS} steps {np.abs(step).max():.2g} is left; "
+            f"{np.count_nonzero(~undone)} of {undone.size} points have no way back; "
             "check the coefficients' order (k1, k2, p1, p2, k3)"
+        )
+
+    def _distortion_slopes(self, normalised: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return dx'/dx, dx'/dy = dy'/dx and dy'/dy of ``distort``; the matrix is symmetric."""
+        x, y = np.moveaxis(normalised, -1, 0)
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+        slope = 2.0 * (self.k1 + r2 * (2.0 * self.k2 + r2 * 3.0 * self.k3))
+        return (
+            radial + x * x * slope + 2.0 * self.p1 * y + 6.0 * self.p2 * x,
+            x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y,
+            radial + y * y * slope + 6.0 * self.p1 * y + 2.0 * self.p2 * x,
         )
 
     def project(self, points_in_cam: ArrayLike) -> Floats:
@@ -175,7 +198,7 @@ class Camera:
 
     def to_toml(self) -> str:
         """Write the camera as TOML text that ``from_toml`` reads back exactly."""
-        return tomli_w.dumps({key: value for key, value in asdict(self).items()})
+        return tomli_w.dumps(asdict(self))
 
     @classmethod
     def from_toml(cls, path: Path) -> Camera:

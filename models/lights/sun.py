@@ -58,13 +58,14 @@ def unit_direction(vector: ArrayLike) -> Floats:
     direction = np.asarray(vector, dtype=np.float64)
     if direction.shape != (3,) or not np.isfinite(direction).all():
         raise ScenarioError(f"expected a Sun direction of three finite numbers, got {vector!r}")
-    length = float(np.linalg.norm(direction))
-    if length < 1e-12:
+    largest = float(np.abs(direction).max())
+    if largest < 1e-12:
         raise ScenarioError(
             f"expected a Sun direction with a length, got {vector!r}; "
             "give the vector from the target towards the Sun, in the target frame"
         )
-    return direction / length
+    direction = direction / largest  # so that no square overflows
+    return direction / np.linalg.norm(direction)
 
 
 def sun_direction(text: str) -> Floats:
