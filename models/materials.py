@@ -71,4 +71,137 @@ class Material:
                 )
 
 
-MATERIALS: dict[str, Material] = {}
+def _material(
+    name: str,
+    diffuse: tuple[float, float, float],
+    specular: tuple[float, float, float],
+    roughness: float,
+    source: str,
+) -> Material:
+    return Material(name, BandReflectance(*diffuse), BandReflectance(*specular), roughness, source)
+
+
+# Each pair of triples is (sunlight, 800 nm, 850 nm). Reflectances of metals follow from the cited
+# optical constants by Fresnel's law at normal incidence, averaged over 790 to 860 nm for sunlight.
+# How a total splits into a diffuse and a mirror part, and every roughness, is our estimate.
+MATERIALS: dict[str, Material] = {
+    material.name: material
+    for material in (
+        _material(
+            "mli_gold",
+            (0.060, 0.060, 0.060),
+            (0.697, 0.694, 0.705),
+            0.12,
+            "Aluminised Kapton, film outward. Aluminium seen through polyimide (n = 1.7): 0.790 "
+            "at 800 nm and 0.793 at 850 nm (Rakic et al. 1998, Appl. Opt. 37, 5271), with the "
+            "film's front face and 2 % loss each way added: 0.75 to 0.77 in all, our estimate; "
+            "solar absorptance 0.40 over the whole spectrum (Fortescue et al. 2011, Table 11.3)",
+        ),
+        _material(
+            "mli_aluminium",
+            (0.060, 0.060, 0.060),
+            (0.808, 0.809, 0.810),
+            0.12,
+            "Aluminised film, metal outward: total 0.868 over the band, 0.869 at 800 nm, 0.865 "
+            "at the 825 nm interband dip, 0.870 at 850 nm (Rakic et al. 1998, Appl. Opt. 37, "
+            "5271); solar absorptance 0.14 (Fortescue et al. 2011, Table 11.3)",
+        ),
+        _material(
+            "bare_aluminium",
+            (0.320, 0.322, 0.324),
+            (0.470, 0.472, 0.474),
+            0.25,
+            "Machined alloy: the optical constants of Rakic et al. 1998 (total 0.868 over the "
+            "band) less 0.08 for oxide and tool marks, our estimate, near the solar absorptance "
+            "of 0.21 to 0.24 of aluminium tape and polished sheet (Fortescue et al. 2011, 11.3)",
+        ),
+        _material(
+            "anodised_aluminium",
+            (0.380, 0.381, 0.386),
+            (0.190, 0.191, 0.193),
+            0.30,
+            "Clear anodised alloy: solar absorptance 0.35 to 0.44 by thickness (Gilmore 2002, "
+            "Spacecraft Thermal Control Handbook, appendix A), shape of the band from the "
+            "aluminium below (Rakic et al. 1998); levels are our estimate",
+        ),
+        _material(
+            "solar_cell",
+            (0.012, 0.012, 0.012),
+            (0.060, 0.056, 0.064),
+            0.06,
+            "Triple-junction cell under coated coverglass: solar absorptance 0.88 to 0.92 "
+            "(Fortescue et al. 2011, Table 11.3; Gilmore 2002, appendix A). Bare GaAs reflects "
+            "0.328 at 800 and 0.324 at 850 nm (Jellison 1992); what its coatings leave, with "
+            "the glass's 2 to 3 % and the rise towards the band edge, is our estimate",
+        ),
+        _material(
+            "solar_substrate",
+            (0.055, 0.054, 0.056),
+            (0.015, 0.015, 0.015),
+            0.30,
+            "Black, carbon-loaded Kapton on carbon face sheet: solar absorptance 0.93 (Gilmore "
+            "2002, appendix A); nearly grey in the band, our estimate",
+        ),
+        _material(
+            "solar_interconnect",
+            (0.190, 0.190, 0.190),
+            (0.740, 0.739, 0.742),
+            0.20,
+            "Silver tabs: 0.990 to 0.995 when polished (Johnson and Christy 1972, Phys. Rev. B "
+            "6, 4370; Yang et al. 2015), 6 % lost to tarnish and welds, our estimate",
+        ),
+        _material(
+            "optical_solar_reflector",
+            (0.010, 0.010, 0.010),
+            (0.938, 0.937, 0.940),
+            0.05,
+            "Second-surface silvered fused silica: solar absorptance 0.07 (Gilmore 2002, "
+            "appendix A); silver under silica reflects 0.994 (Johnson and Christy 1972), "
+            "4 % lost in gaps between tiles, our estimate",
+        ),
+        _material(
+            "white_paint",
+            (0.858, 0.862, 0.853),
+            (0.010, 0.010, 0.010),
+            0.60,
+            "Z93 zinc oxide in silicate: solar absorptance 0.16 to 0.17 (Gilmore 2002, appendix "
+            "A), nearly Lambertian (Bradley et al. 2020, Spectroscopy 35 S3, 6); slow fall from "
+            "800 to 850 nm is our estimate",
+        ),
+        _material(
+            "black_paint",
+            (0.040, 0.039, 0.041),
+            (0.006, 0.006, 0.006),
+            0.40,
+            "Aeroglaze Z306 polyurethane: solar absorptance 0.95 (Gilmore 2002, appendix A; "
+            "Fortescue et al. 2011, Table 11.3: 0.95); split and slope are our estimate",
+        ),
+        _material(
+            "carbon_fibre",
+            (0.050, 0.049, 0.051),
+            (0.060, 0.058, 0.061),
+            0.20,
+            "Carbon fibre in epoxy: graphite under a resin of n = 1.5 reflects 0.24 (Djurisic "
+            "and Li 1999, J. Appl. Phys. 85, 7404), rough and broken by the weave: solar "
+            "absorptance 0.88 to 0.93 for bare laminate, our estimate",
+        ),
+        _material(
+            "titanium_nozzle",
+            (0.120, 0.119, 0.121),
+            (0.200, 0.201, 0.199),
+            0.25,
+            "Fired nozzle metal: clean titanium reflects 0.622 at 800 and 0.618 at 850 nm "
+            "(Johnson and Christy 1974, Phys. Rev. B 9, 5056), polished parts 0.40 over the "
+            "solar spectrum (Fortescue et al. 2011, Table 11.3); 0.32 after firing is our estimate",
+        ),
+        _material(
+            "corner_cube_face",
+            (0.010, 0.010, 0.010),
+            (0.034, 0.034, 0.034),
+            0.05,
+            "Front face of a solid cube, fused silica, n = 1.4533 at 800 nm and 1.4525 at 850 nm "
+            "(Malitson 1965, JOSA 55, 1205), so 0.034 unless coated; the diffuse part, dust and "
+            "scratches, is our estimate. The returned light is told in retroreflector_optics",
+        ),
+    )
+}
