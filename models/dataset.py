@@ -20,6 +20,7 @@ import json
 import tomllib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -133,10 +134,13 @@ def read_info(folder: Path) -> DatasetInfo:
             f"{path}: expected version {VERSION}, got {table.get('version')!r}; "
             "render it again, or read it with the rvbench that wrote it"
         )
-    try:
-        return DatasetInfo(**{field.name: table[field.name] for field in fields(DatasetInfo)})
-    except KeyError as error:
-        raise DatasetError(f"{path}: expected the key {error}, found none") from error
+    expected = {"case": str, "sun": str, "frames": int, "target": str, "provenance": dict}
+    for key, kind in expected.items():
+        if not isinstance(table.get(key), kind) or isinstance(table[key], bool):
+            raise DatasetError(
+                f"{path}: expected {key} as {kind.__name__}, got {table.get(key, 'none')!r}"
+            )
+    return DatasetInfo(**{key: table[key] for key in expected})
 
 
 def info_to_json(info: DatasetInfo) -> str:
@@ -150,11 +154,18 @@ def detector_to_toml(detector: Detector) -> str:
 
 
 def read_detector(path: Path) -> Detector:
-    """Read ``detector.toml``."""
+    """Read ``detector.toml``; every key must be there."""
     table = _read_toml(path)
-    unknown = sorted(set(table) - {field.name for field in fields(Detector)})
-    if unknown:
-        raise DatasetError(f"{path}: unknown detector keys {', '.join(unknown)}")
+    known = {field.name for field in fields(Detector)}
+    unknown, missing = sorted(set(table) - known), sorted(known - set(table))
+    if unknown or missing:
+        raise DatasetError(
+            f"{path}: expected the detector keys {', '.join(sorted(known))}; "
+            f"unknown: {', '.join(unknown) or 'none'}; missing: {', '.join(missing) or 'none'}"
+        )
+    for key, value in table.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < np.inf:
+            raise DatasetError(f"{path}: expected a number from zero up for {key}, got {value!r}")
     return Detector(**table)
 
 
@@ -218,6 +229,9 @@ def read_knowledge(folder: Path) -> FlightKnowledge:
         )
         sigma_m = np.array(table["sigma_t_m"], float).reshape(3)
         sigma_deg = np.array(table["sigma_euler_deg"], float).reshape(3)
+        sigmas = np.concatenate([sigma_m, sigma_deg])
+        if not (np.isfinite(sigmas) & (sigmas >= 0.0)).all():
+            raise ValueError(f"sigmas {sigmas.tolist()}")
     except (KeyError, ValueError, TypeError) as error:
         raise DatasetError(
             f"{path}: expected t_cam_from_target_m, euler_321_deg, sigma_t_m and "
@@ -240,18 +254,32 @@ def frames_to_csv(entries: list[FrameEntry]) -> str:
 
 
 def read_frame_entries(folder: Path) -> list[FrameEntry]:
-    """Read ``frames.csv``."""
+    """Read ``frames.csv``, in order of time.
+
+    Raises
+    ------
+    DatasetError
+        If the file is missing, a column or number is missing or not finite, an exposure is not
+        positive, or indices or times do not rise.
+    """
     path = folder / "frames.csv"
     try:
         with path.open(newline="") as file:
-            return [
+            entries = [
                 FrameEntry(int(row["index"]), float(row["time_s"]), float(row["exposure_ms"]))
                 for row in csv.DictReader(file)
             ]
-    except (OSError, KeyError, ValueError, TypeError) as error:
+    except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
         raise DatasetError(
             f"expected {path} with the columns index, time_s, exposure_ms; got: {error!r}"
         ) from error
+    for entry in entries:
+        if not np.isfinite(entry.time_s) or not 0.0 < entry.exposure_ms < np.inf:
+            raise DatasetError(f"{path}: expected a finite time and a positive exposure: {entry}")
+    for before, after in pairwise(entries):
+        if after.index <= before.index or after.time_s <= before.time_s:
+            raise DatasetError(f"{path}: expected rising indices and times, got {before}, {after}")
+    return entries
 
 
 def read_frame(folder: Path, entry: FrameEntry) -> Frame:

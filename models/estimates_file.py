@@ -61,6 +61,8 @@ def estimate_from_json(record: dict[str, Any]) -> Estimate:
     frame, time_s = int(record["frame"]), float(record["time_s"])
     if record["status"] == "no pose":
         return NoPose(frame, time_s, str(record["reason"]), detections)
+    if record["status"] != "pose":
+        raise ValueError(f"expected status 'pose' or 'no pose', got {record['status']!r}")
     return PoseEstimate(
         frame=frame,
         time_s=time_s,
@@ -71,6 +73,13 @@ def estimate_from_json(record: dict[str, Any]) -> Estimate:
         detections=detections,
         residual_rms_px=float(record["residual_rms_px"]),
     )
+
+
+def _read_lines(path: Path) -> list[str]:
+    try:
+        return path.read_text().splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise DatasetError(f"expected text at {path}, got: {error}") from error
 
 
 def write_estimates(path: Path, estimates: Iterable[Estimate]) -> None:
@@ -90,7 +99,7 @@ def read_estimates(path: Path) -> list[Estimate]:
     if not path.is_file():
         raise DatasetError(f"expected an estimates file at {path}, found none; run the estimate")
     estimates = []
-    for number, line in enumerate(path.read_text().splitlines(), start=1):
+    for number, line in enumerate(_read_lines(path), start=1):
         try:
             estimates.append(estimate_from_json(json.loads(line)))
         except (KeyError, TypeError, ValueError) as error:
@@ -108,8 +117,17 @@ def write_runtimes(path: Path, runtime_ms: dict[int, float]) -> None:
 
 
 def read_runtimes(path: Path) -> dict[int, float]:
-    """Read runtimes back, ms by frame; an absent file gives an empty dict."""
+    """Read runtimes back, ms by frame; an absent file gives an empty dict.
+
+    Raises
+    ------
+    DatasetError
+        If a row is not a frame and a number.
+    """
     if not path.is_file():
         return {}
-    rows = (line.split(",") for line in path.read_text().splitlines()[1:])
-    return {int(frame): float(spent) for frame, spent in rows}
+    rows = (line.split(",") for line in _read_lines(path)[1:])
+    try:
+        return {int(frame): float(spent) for frame, spent in rows}
+    except ValueError as error:
+        raise DatasetError(f"{path}: expected rows of frame,runtime_ms, got: {error}") from error

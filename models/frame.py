@@ -12,6 +12,8 @@ from models.errors import DatasetError
 from models.pose import RigidTransform
 from models.sensor import Detector
 
+UNIT_TOLERANCE = 1e-6  # a normal typed with seven digits passes
+
 
 @dataclass(frozen=True)
 class Frame:
@@ -64,6 +66,12 @@ class MarkerPattern:
         Unit outward normals.
     radius_m : float, m
         Radius of every disc.
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong, a name comes twice, a normal has not length one, the radius is not
+        positive or a value is not finite.
     """
 
     names: tuple[str, ...]
@@ -78,17 +86,27 @@ class MarkerPattern:
                 f"expected {len(self.names)} points and normals of shape {shape}, got "
                 f"{self.points_in_target.shape} and {self.normals_in_target.shape}"
             )
+        if len(set(self.names)) < len(self.names):
+            raise ValueError(f"expected each marker's name once, got {', '.join(self.names)}")
+        if not np.isfinite(self.points_in_target).all() or not 0.0 < self.radius_m < np.inf:
+            raise ValueError(
+                "expected finite points and a radius in m above zero, "
+                f"got a radius of {self.radius_m} and points {self.points_in_target.tolist()}"
+            )
+        lengths = np.linalg.norm(self.normals_in_target, axis=1)
+        if not (np.abs(lengths - 1.0) <= UNIT_TOLERANCE).all():
+            raise ValueError(f"expected normals of length one, got lengths {lengths.tolist()}")
 
     def __len__(self) -> int:
         return len(self.names)
 
     @property
     def min_separation_m(self) -> float:
-        """Distance between the two nearest markers, m."""
+        """Distance between the two nearest markers, m; infinite where there is but one."""
         gaps = np.linalg.norm(
             self.points_in_target[:, None] - self.points_in_target[None, :], axis=-1
         )
-        return float(gaps[np.triu_indices(len(self), 1)].min())
+        return float(gaps[np.triu_indices(len(self), 1)].min(initial=np.inf))
 
 
 @dataclass(frozen=True)
