@@ -1,0 +1,154 @@
+"""What the errors of many frames come to: position, attitude, consistency, runtime.
+
+Every summary pools frames, and runs where there are several, and does not depend on their order.
+An error is estimate minus truth (``models.pose.pose_error``). No frames, no number: ``None``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import chi2
+
+from models.arrays import Floats
+from models.estimate import PoseEstimate
+from models.pose import PoseError, RigidTransform, pose_error
+
+POSE_DOF = 6
+NEES_CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class PositionError:
+    """Error of ``t_cam_from_target``, mm.
+
+    Attributes
+    ----------
+    median, p95 : float
+        Of its length.
+    rms : list of 3 floats
+        Root mean square along the camera's x, y and z; a constant bias counts.
+    """
+
+    median: float | None
+    p95: float | None
+    rms: list[float] | None
+
+
+@dataclass(frozen=True)
+class AttitudeError:
+    """Error of ``R_cam_from_target``, deg.
+
+    Attributes
+    ----------
+    median, p95 : float
+        Of the angle of the turn ``R_estimate R_truth^T``.
+    rms : list of 3 floats
+        Root mean square of the wrapped errors of (alpha, beta, gamma), passive 3-2-1.
+    rms_rotation_vector : list of 3 floats
+        The same of the turn's rotation vector, about the camera's x, y and z.
+    """
+
+    median: float | None
+    p95: float | None
+    rms: list[float] | None
+    rms_rotation_vector: list[float] | None
+
+
+@dataclass(frozen=True)
+class Nees:
+    """Whether the covariance that a pipeline states fits the errors that it makes.
+
+    Attributes
+    ----------
+    mean : float
+        Mean over frames of ``e^T P^-1 e / 6``: 1 when honest, above when overconfident.
+    bounds : list of 2 floats
+        Where that mean falls in 95 of 100 cases if the errors are independent from frame to frame
+        and P is right: quantiles of chi-square with 6 n degrees of freedom, over 6 n.
+    consistent : bool
+        Whether it does.
+    """
+
+    mean: float | None
+    bounds: list[float] | None
+    consistent: bool | None
+
+
+@dataclass(frozen=True)
+class Runtime:
+    """Time that a frame takes, ms: median and 95th percentile."""
+
+    median: float | None
+    p95: float | None
+
+
+def root_mean_square(values: ArrayLike) -> list[float]:
+    """Return the root mean square of each column of an (n, k) array."""
+    table = np.asarray(values, dtype=np.float64)
+    return [float(np.sqrt(np.mean(np.sort(column * column)))) for column in table.T]
+
+
+def position_error_mm(errors: Sequence[PoseError]) -> PositionError:
+    """Summarise position errors in mm."""
+    if not errors:
+        return PositionError(None, None, None)
+    error_mm = 1e3 * np.array([error.position_m for error in errors])
+    lengths = np.linalg.norm(error_mm, axis=1)
+    return PositionError(
+        median=float(np.median(lengths)),
+        p95=float(np.percentile(lengths, 95.0)),
+        rms=root_mean_square(error_mm),
+    )
+
+
+def attitude_error_deg(errors: Sequence[PoseError]) -> AttitudeError:
+    """Summarise attitude errors in deg."""
+    if not errors:
+        return AttitudeError(None, None, None, None)
+    angles = np.array([error.attitude_deg for error in errors])
+    return AttitudeError(
+        median=float(np.median(angles)),
+        p95=float(np.percentile(angles, 95.0)),
+        rms=root_mean_square([error.euler_deg for error in errors]),
+        rms_rotation_vector=root_mean_square([error.rotation_vector_deg for error in errors]),
+    )
+
+
+def error_vector(error: PoseError) -> Floats:
+    """Return (6,): rotation vector in rad, then position in m, as covariances are ordered."""
+    return np.concatenate([np.deg2rad(error.rotation_vector_deg), error.position_m])
+
+
+def frame_nees(estimate: PoseEstimate, truth: RigidTransform) -> float | None:
+    """Return the normalised estimation error squared ``e^T P^-1 e`` of one frame.
+
+    Chi-square with six degrees of freedom for an honest covariance (Bar-Shalom, Li and Kirubarajan
+    2001, section 5.4). None where P cannot be inverted.
+    """
+    error = error_vector(pose_error(estimate.cam_from_target, truth))
+    try:
+        return float(error @ np.linalg.solve(estimate.covariance, error))
+    except np.linalg.LinAlgError:
+        return None
+
+
+def consistency(nees: Sequence[float]) -> Nees:
+    """Summarise the NEES of many frames."""
+    if not nees:
+        return Nees(None, None, None)
+    dof = POSE_DOF * len(nees)
+    tail = 0.5 * (1.0 - NEES_CONFIDENCE)
+    low, high = (float(chi2.ppf(p, dof) / dof) for p in (tail, 1.0 - tail))
+    mean = float(np.mean(np.sort(nees)) / POSE_DOF)
+    return Nees(mean, [low, high], low <= mean <= high)
+
+
+def runtime(runtime_ms: Sequence[float]) -> Runtime:
+    """Summarise runtimes, ms."""
+    if not runtime_ms:
+        return Runtime(None, None)
+    return Runtime(float(np.median(runtime_ms)), float(np.percentile(runtime_ms, 95.0)))

@@ -1,0 +1,97 @@
+"""The runs of a dataset: the same frames and truth, another detector seed and another prior.
+
+::
+
+    DIR/estimates/best.jsonl, best.runtime.csv          run 0
+        seeds/001/prior.toml                            run 1: the prior it was given
+        seeds/001/estimates/best.jsonl, ...
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from models.dataset import FrameEntry
+from models.errors import DatasetError
+from models.estimate import Estimate
+from models.estimates_file import read_estimates, read_runtimes
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one pipeline variant said in one run.
+
+    Attributes
+    ----------
+    number : int
+    estimates : dict
+        By frame; one for every frame of the dataset.
+    runtime_ms : dict
+        By frame; empty if nobody measured.
+    """
+
+    number: int
+    estimates: dict[int, Estimate]
+    runtime_ms: dict[int, float]
+
+
+def run_folder(folder: Path, number: int) -> Path:
+    """Return where a run keeps its own files; run 0 is the dataset itself."""
+    return folder if number == 0 else folder / "seeds" / f"{number:03d}"
+
+
+def estimates_path(folder: Path, number: int, variant: str) -> Path:
+    """Return the estimates file of one variant in one run."""
+    return run_folder(folder, number) / "estimates" / f"{variant}.jsonl"
+
+
+def runtimes_path(folder: Path, number: int, variant: str) -> Path:
+    """Return the runtimes file of one variant in one run."""
+    return run_folder(folder, number) / "estimates" / f"{variant}.runtime.csv"
+
+
+def found_variants(folder: Path) -> tuple[str, ...]:
+    """Return the variants that have estimates of run 0.
+
+    Raises
+    ------
+    DatasetError
+        If there are none.
+    """
+    variants = tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+    if not variants:
+        raise DatasetError(
+            f"expected estimates at {folder / 'estimates'}/*.jsonl, found none; "
+            f"run `rvbench estimate {folder}` first"
+        )
+    return variants
+
+
+def found_runs(folder: Path, variant: str) -> list[int]:
+    """Return the numbers of the runs that have estimates of a variant, in order."""
+    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{variant}.jsonl")
+    numbers = sorted(int(path.parent.parent.name) for path in others)
+    return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
+
+
+def read_run(folder: Path, number: int, variant: str, entries: list[FrameEntry]) -> Run:
+    """Read a run and hold it against the dataset's frames.
+
+    Raises
+    ------
+    DatasetError
+        If the estimates are not one for every frame.
+    """
+    path = estimates_path(folder, number, variant)
+    estimates = {estimate.frame: estimate for estimate in read_estimates(path)}
+    wanted = {entry.index for entry in entries}
+    if set(estimates) != wanted:
+        missing, extra = sorted(wanted - set(estimates)), sorted(set(estimates) - wanted)
+        raise DatasetError(
+            f"{path}: expected one estimate for each of the {len(wanted)} frames; "
+            f"{len(missing)} missing{f' (first: {missing[0]})' if missing else ''}, "
+            f"{len(extra)} of no frame{f' (first: {extra[0]})' if extra else ''}; "
+            "the frames have changed since: run the estimate again"
+        )
+    return Run(number, estimates, read_runtimes(runtimes_path(folder, number, variant)))
