@@ -28,7 +28,7 @@ import cv2
 import numpy as np
 import tomli_w
 
-from models.arrays import Image
+from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
 from models.frame import FlightKnowledge, Frame, MarkerPattern
@@ -218,9 +218,8 @@ def prior_to_toml(knowledge: FlightKnowledge) -> str:
     )
 
 
-def read_knowledge(folder: Path) -> FlightKnowledge:
-    """Read everything that is loaded on board before the first frame."""
-    path = folder / "prior.toml"
+def read_prior(path: Path) -> tuple[RigidTransform, Floats, Floats]:
+    """Read ``prior.toml``: the pose ``cam_from_target``, and its sigmas in m and in deg."""
     table = _read_toml(path)
     try:
         prior = RigidTransform(
@@ -237,6 +236,12 @@ def read_knowledge(folder: Path) -> FlightKnowledge:
             f"{path}: expected t_cam_from_target_m, euler_321_deg, sigma_t_m and "
             f"sigma_euler_deg, three numbers each; got: {error!r}"
         ) from error
+    return prior, sigma_m, sigma_deg
+
+
+def read_knowledge(folder: Path) -> FlightKnowledge:
+    """Read everything that is loaded on board before the first frame."""
+    prior, sigma_m, sigma_deg = read_prior(folder / "prior.toml")
     return FlightKnowledge(
         camera=Camera.from_toml(folder / "camera.toml"),
         detector=read_detector(folder / "detector.toml"),
