@@ -8,20 +8,22 @@ RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
 
-.PHONY: help demo test check lint setup llvm lock clean
+.PHONY: help demo test check lint setup lock clean
 
 help:
-	@echo "make demo    run the main job on a small case: a minute or three, ends with a report"
+	@echo "make demo    run the main job on a small case; ends with a report"
 	@echo "make test    run the tests"
 	@echo "make check   run the tests, ruff, mypy and the import contracts"
-	@echo "make setup   make $(VENV), to run and to test, and do nothing else"
+	@echo "make setup   only set up what the others need, in $(VENV)"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
 	@echo "make clean   remove $(VENV) and caches; what was rendered under out/ stays"
 
-demo: $(RUNTIME) llvm
+demo: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
 	$(VENV)/bin/rvbench run maxar-demo --out out/demo
 
-test: $(DEV) llvm
+test: $(DEV)
+	@scripts/ensure_llvm.sh $(PYTHON)
 	$(PYTHON) -m pytest -m "not slow"
 
 check: lint test
@@ -32,30 +34,32 @@ lint: $(DEV)
 	$(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports
 
-setup: $(DEV) llvm
-
-# Not a file: a library can be removed from the system at any time, and looking takes a second.
-llvm: $(RUNTIME)
+setup: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)
 
 $(PYTHON):
 	@scripts/make_environment.sh $(VENV)
 
-$(RUNTIME): $(PYTHON) requirements.lock pyproject.toml
+# Installs a lock and the house itself, editable; both made of nothing that the lock does not pin.
+# Byte code is left to the first import: a third of the time would go into modules never imported.
+define install
 	@scripts/make_environment.sh $(VENV)
-	@echo "installing requirements.lock"
-	@$(PIP) install --require-hashes --requirement requirements.lock
+	@echo "installing $(1)"
+	@$(PIP) install --no-compile --require-hashes --requirement $(1)
 	@$(PIP) install --no-deps --no-build-isolation --editable .
+endef
+
+$(RUNTIME): $(PYTHON) requirements.lock pyproject.toml
+	$(call install,requirements.lock)
 	@touch $@
 
-$(DEV): $(RUNTIME) requirements-dev.lock
-	@echo "installing requirements-dev.lock"
-	@$(PIP) install --require-hashes --requirement requirements-dev.lock
-	@touch $@
+$(DEV): $(PYTHON) requirements-dev.lock pyproject.toml
+	$(call install,requirements-dev.lock)
+	@touch $(RUNTIME) $@
 
 lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) .venv-lock build *.egg-info .hypothesis .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
+	rm -rf $(VENV) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
