@@ -1,5 +1,7 @@
-"""The sealed record: what really was, for each exposure. Loads no renderer, so that scoring can
-read it; pipelines may not import it (an import contract), and never need it (a test).
+"""The sealed record: what really was, for each exposure.
+
+It loads no renderer, so that scoring can read it; pipelines may not import it (an import
+contract), and never need it (a test).
 
 ::
 

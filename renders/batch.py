@@ -1,0 +1,243 @@
+"""Render a case, exposure by exposure; stop it anywhere, and the same command goes on.
+
+For each exposure: light from the store where it is there, else traced and put there; pixel truth
+likewise; then the detector, the sealed truth, and the image last. An exposure whose image is whole
+is done.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from models.arrays import Radiance
+from models.atomic_file import write_text
+from models.dataset import DatasetInfo, FrameEntry
+from models.frame import MarkerPattern
+from models.pose import RigidTransform
+from renders.dataset_writer import DatasetWriter, write_geometry_entry
+from renders.light_groups import LightGroup
+from renders.light_keys import LightKeys
+from renders.replay import compose, exposed_frames, light_record, read_groups
+from renders.scenario import RenderRequest, resolve
+from renders.store import RadianceStore, default_store, read_exr
+from renders.truth import ExposureTruth
+from renders.variant import activate, choose_variant
+from renders.world import Exposure, World
+
+__all__ = ["exposed_frames", "render_case"]
+
+
+@dataclass(eq=False)
+class Studio:
+    """One world with its store, and a renderer that is loaded when first needed."""
+
+    world: World
+    store: RadianceStore
+    keys: LightKeys
+    markers: MarkerPattern
+    scene: Any = None
+    geometry: Any = None
+
+    def build(self, cam_from_target: RigidTransform) -> None:
+        """Load the scene once, and put the chaser in its place."""
+        from renders.scene import build_geometry, place_chaser
+
+        if self.scene is None:
+            self.geometry = build_geometry(self.world.target, self.world.chaser, self.world.optics)
+            self.scene = self.geometry.scene()
+        place_chaser(self.scene, self.geometry, cam_from_target)
+
+    def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
+        """Return the store keys of everything that can light an exposure, by group name."""
+        groups = self.world.groups(exposure.band)
+        return {group.name: self.keys.group(exposure, cam_from_target, group) for group in groups}
+
+    def light(
+        self, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> dict[LightGroup, Radiance]:
+        """Return the groups of an exposure, from the store or traced now."""
+        keys = self.group_keys(exposure, cam_from_target)
+        there = read_groups(self.store, self.world, exposure.band, keys)
+        if there is not None:
+            return there
+        from renders.radiance import Sampling, render_radiance
+
+        self.build(cam_from_target)
+        groups = self.world.groups(exposure.band)
+        render = self.world.scenario.render
+        images = render_radiance(
+            self.scene,
+            self.geometry,
+            self.world.camera,
+            cam_from_target,
+            groups,
+            self.markers,
+            Sampling(
+                samples=render.samples,
+                marker_samples=render.marker_samples,
+                max_depth=render.max_depth,
+                seed=self.world.render_seed(exposure.frame),
+            ),
+        )
+        for name, image in images.items():
+            self.store.write(keys[name], image)
+        # Read back: a frame made at once and one made from the store are the same to the bit.
+        stored = read_groups(self.store, self.world, exposure.band, keys)
+        if stored is None:
+            raise RuntimeError(f"the store at {self.store.folder} lost what was just written")
+        return stored
+
+    def truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> ExposureTruth:
+        """Return the sealed record of an exposure."""
+        from renders.labels import marker_light, outline_centres_px
+
+        self.build(cam_from_target)
+        camera, sun = self.world.camera, self.world.sun
+        light = marker_light(
+            self.scene,
+            self.markers,
+            camera,
+            cam_from_target,
+            self.world.lamps(exposure.band).ring,
+            {sun.name: sun.direction_in_target},
+        )
+        return ExposureTruth(
+            frame=exposure.frame,
+            band=exposure.band,
+            time_s=exposure.time_s,
+            cam_from_target=cam_from_target,
+            sun_dir_in_target=_array(sun.direction_in_target),
+            markers_px=camera.project(cam_from_target @ self.markers.points_in_target),
+            marker_outlines_px=outline_centres_px(self.markers, camera, cam_from_target),
+            visible=light.visible,
+            lamp_lit=light.lamp_lit,
+            sun_lit=light.sun_lit[sun.name],
+        )
+
+    def pixel_truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> Any:
+        """Return the store entry with labels, depth and normals, traced now if it is not whole."""
+        path = self.store.path(self.keys.geometry(exposure, cam_from_target))
+        if read_exr(path) is None:
+            from renders.labels import pixel_truth
+
+            self.build(cam_from_target)
+            traced = pixel_truth(self.scene, self.geometry, self.world.camera, cam_from_target)
+            write_geometry_entry(path, traced)
+        return path
+
+
+def _array(direction: tuple[float, float, float]) -> Any:
+    import numpy as np
+
+    return np.array(direction)
+
+
+def provenance(world: World, variant: str) -> dict[str, str]:
+    """Return what made a dataset: versions, variant and the scenario's hash."""
+    return {
+        "scenario": world.scenario.fingerprint(),
+        "variant": variant,
+        **{name: version(name) for name in ("rvbench", "mitsuba", "drjit", "numpy")},
+    }
+
+
+def render_case(request: RenderRequest, console: Console | None = None) -> None:
+    """Render what a request asks for and is not there yet.
+
+    Raises
+    ------
+    ScenarioError, DatasetError, VariantError, StorageError
+        Each says what to do; nothing already rendered is lost.
+    """
+    world = World(resolve(request))
+    world.check_poses()
+    knowledge = world.knowledge(run=0)
+    entries = world.frame_entries(knowledge.prior)
+    variant = choose_variant(request.variant)
+    store = RadianceStore(request.store or default_store())
+    keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
+    studio = Studio(world, store, keys, knowledge.markers)
+    info = DatasetInfo(
+        case=world.scenario.name,
+        sun=world.scenario.sun.default,
+        frames=len(entries),
+        target=world.target.name,
+        provenance=provenance(world, variant),
+    )
+    from renders.scene import CHASER_LABEL, MARKER_LABEL
+
+    labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
+    writer = DatasetWriter(request.out, info, knowledge, entries, labels, world.scenario.to_toml())
+    poses = {
+        (exposure.frame, exposure.band): world.approach.cam_from_target(exposure.time_s)
+        for exposure in world.exposures
+    }
+    light = {
+        (exposure.frame, exposure.band): studio.group_keys(
+            exposure, poses[exposure.frame, exposure.band]
+        )
+        for exposure in world.exposures
+    }
+    write_text(request.out / "truth" / "light.json", light_record(store, light))
+    _activate(variant, request.threads)
+    console = console or Console(stderr=True)
+    left = [e for e in world.exposures if not writer.has_exposure(e.frame, e.band)]
+    console.print(
+        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {len(entries)} image pairs at "
+        f"{world.camera.width} x {world.camera.height}, {variant}; "
+        f"{len(world.exposures) - len(left)} of {len(world.exposures)} exposures are there already"
+    )
+    with _progress(console) as progress:
+        task = progress.add_task("render", total=len(left))
+        for exposure in left:
+            _render_exposure(studio, writer, entries, exposure, poses)
+            progress.advance(task)
+    writer.finish()
+
+
+def _render_exposure(
+    studio: Studio,
+    writer: DatasetWriter,
+    entries: list[FrameEntry],
+    exposure: Exposure,
+    poses: dict[tuple[int, int], RigidTransform],
+) -> None:
+    cam_from_target = poses[exposure.frame, exposure.band]
+    groups = studio.light(exposure, cam_from_target)
+    exposure_ms = entries[exposure.frame].exposure_ms
+    image = compose(studio.world, groups, exposure, exposure_ms, run=0)
+    geometry = studio.pixel_truth(exposure, cam_from_target)
+    writer.write_pixel_truth(exposure.frame, exposure.band, geometry)
+    writer.write_exposure(image, studio.truth(exposure, cam_from_target))
+
+
+def _activate(variant: str, threads: int | None) -> None:
+    activate(variant)
+    if threads is not None:
+        import drjit
+
+        drjit.set_thread_count(threads)
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=console,
+    )

@@ -1,0 +1,179 @@
+"""Write a dataset: the public half, and the truth behind the wall, each file whole or not there."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from models.arrays import Image
+from models.atomic_file import write_bytes, write_text
+from models.dataset import (
+    DatasetInfo,
+    FrameEntry,
+    detector_to_toml,
+    encode_image,
+    frames_to_csv,
+    image_path,
+    info_to_json,
+    markers_to_toml,
+    prior_to_toml,
+    read_info,
+)
+from models.errors import DatasetError, StorageError
+from models.frame import FlightKnowledge
+from renders.labels import PixelTruth
+from renders.store import read_exr, write_exr
+from renders.truth import ExposureTruth
+
+PNG_END = b"IEND\xaeB`\x82"
+
+
+def is_whole_png(path: Path) -> bool:
+    """Tell whether a PNG is there to its last byte."""
+    try:
+        with path.open("rb") as file:
+            file.seek(-len(PNG_END), os.SEEK_END)
+            return file.read() == PNG_END
+    except OSError:
+        return False
+
+
+class DatasetWriter:
+    """One dataset folder being filled.
+
+    Parameters
+    ----------
+    folder : Path
+    info : DatasetInfo
+    knowledge : FlightKnowledge
+    entries : list of FrameEntry
+    labels : tuple of str
+        Names of the part labels.
+    scenario_toml : str
+        The resolved scenario; it goes behind the wall, since it holds the motion.
+
+    Raises
+    ------
+    DatasetError
+        If the folder holds a dataset of another scenario, Sun or version.
+    StorageError
+        If it cannot be written.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        info: DatasetInfo,
+        knowledge: FlightKnowledge,
+        entries: list[FrameEntry],
+        labels: tuple[str, ...],
+        scenario_toml: str,
+    ) -> None:
+        self.folder = folder
+        self.entries = entries
+        if (folder / "dataset.json").exists():
+            there = read_info(folder)
+            if there.provenance.get("scenario") != info.provenance.get("scenario"):
+                raise DatasetError(
+                    f"expected {folder} to be empty or to hold this very scenario "
+                    f"({info.case}, Sun {info.sun}, {info.frames} frames); it holds {there.case}, "
+                    f"Sun {there.sun}, {there.frames} frames, with other settings; "
+                    "choose another --out, or delete it"
+                )
+        elif folder.exists() and not folder.is_dir():
+            raise DatasetError(f"expected a folder at {folder}, found a file")
+        write_text(folder / "dataset.json", info_to_json(info))
+        write_text(folder / "camera.toml", knowledge.camera.to_toml())
+        write_text(folder / "detector.toml", detector_to_toml(knowledge.detector))
+        write_text(folder / "markers.toml", markers_to_toml(knowledge.markers))
+        write_text(folder / "prior.toml", prior_to_toml(knowledge))
+        write_text(folder / "frames.csv", frames_to_csv(entries))
+        write_text(folder / "truth" / "parts.json", json.dumps(labels) + "\n")
+        write_text(folder / "truth" / "scenario.toml", scenario_toml)
+
+    def truth_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's truth lies until the dataset is complete."""
+        return self.folder / "truth" / "exposures" / f"{frame:06d}_{band}.json"
+
+    def labels_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's part labels lie."""
+        return self.folder / "truth" / "labels" / f"{frame:06d}_{band}.png"
+
+    def geometry_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's depth and normals lie."""
+        return self.folder / "truth" / "geometry" / f"{frame:06d}_{band}.exr"
+
+    def has_exposure(self, frame: int, band: int) -> bool:
+        """Tell whether everything of an exposure is there; its image is written last."""
+        return (
+            is_whole_png(image_path(self.folder, frame, band))
+            and is_whole_png(self.labels_path(frame, band))
+            and self.truth_path(frame, band).is_file()
+            and self.geometry_path(frame, band).is_file()
+        )
+
+    def write_exposure(self, image: Image, truth: ExposureTruth) -> None:
+        """Write an exposure's truth and then its image; the pixel truth must be there already."""
+        text = json.dumps(truth.to_json()) + "\n"
+        write_text(self.truth_path(truth.frame, truth.band), text)
+        write_bytes(image_path(self.folder, truth.frame, truth.band), encode_image(image))
+
+    def write_pixel_truth(self, frame: int, band: int, geometry_entry: Path) -> None:
+        """Take labels, depth and normals of an exposure from their store entry."""
+        channels = read_exr(geometry_entry)
+        if channels is None:
+            raise StorageError(
+                f"expected a whole geometry entry at {geometry_entry}, found none; "
+                "run the same command again"
+            )
+        ok, data = cv2.imencode(".png", np.rint(channels["label"]).astype(np.uint8))
+        if not ok:
+            raise DatasetError("expected OpenCV to encode the labels, it refused")
+        write_bytes(self.labels_path(frame, band), bytes(data.tobytes()))
+        link_or_copy(geometry_entry, self.geometry_path(frame, band))
+
+    def finish(self) -> None:
+        """Join the exposures' truth into one file, in order of time."""
+        lines = [
+            self.truth_path(entry.index, band).read_text()
+            for entry in self.entries
+            for band in (800, 850)
+        ]
+        write_text(self.folder / "truth" / "exposures.jsonl", "".join(lines))
+
+
+def write_geometry_entry(path: Path, truth: PixelTruth) -> None:
+    """Write labels, depth (float) and normals (half) of an exposure as one store entry."""
+    normals = truth.normals_in_target.astype(np.float16)
+    write_exr(
+        path,
+        {
+            "Z": truth.depth_m,
+            "NX": np.ascontiguousarray(normals[..., 0]),
+            "NY": np.ascontiguousarray(normals[..., 1]),
+            "NZ": np.ascontiguousarray(normals[..., 2]),
+            "label": truth.labels.astype(np.float16),
+        },
+    )
+
+
+def link_or_copy(source: Path, place: Path) -> None:
+    """Put ``source`` at ``place`` without spending disk where the two share one."""
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.unlink(missing_ok=True)
+        try:
+            os.link(source, place)
+        except OSError:
+            scratch = place.with_name(f".{place.name}.{os.getpid()}.part")
+            shutil.copyfile(source, scratch)
+            scratch.replace(place)
+    except OSError as error:
+        raise StorageError(
+            f"expected to write {place}, got: {error}; free some space or choose another --out"
+        ) from error

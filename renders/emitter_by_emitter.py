@@ -1,0 +1,145 @@
+"""The same light groups where there is no JIT: one render per group with Mitsuba's own emitters.
+
+In ``scalar_rgb`` a Python integrator would be a thousand times too slow, so each group becomes
+emitters that Mitsuba has: the Sun is a directional light that walks over its disc from pass to
+pass, and an LED is a spot light whose beam is a projected bitmap of ``cos^n``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+from models.arrays import Floats, Radiance
+from models.camera import Camera
+from models.pose import RigidTransform
+from renders.camera_plugin import sensor_dict
+from renders.light_groups import LampGroup, LightGroup, SunGroup
+from renders.scene import SceneGeometry, place_chaser
+
+BEAM_CUTOFF_DEG = 60.0  # cos^7 has fallen to 1 % there, far outside the field of view
+BEAM_BITMAP = 512
+SUN_PASSES = 4
+
+Window = tuple[int, int, int, int]  # left, top, width, height, px
+
+
+def sun_disc_directions(group: SunGroup, count: int) -> Floats:
+    """Return ``count`` unit directions spread evenly over the Sun's disc (Vogel's spiral)."""
+    towards = np.asarray(group.direction_in_target)
+    helper = np.eye(3)[int(np.argmin(np.abs(towards)))]
+    first = np.cross(towards, helper)
+    first /= np.linalg.norm(first)
+    second = np.cross(towards, first)
+    number = np.arange(count)
+    radius = group.sine_of_radius * np.sqrt((number + 0.5) / count)
+    angle = number * np.pi * (3.0 - np.sqrt(5.0))
+    directions = (
+        towards
+        + (radius * np.cos(angle))[:, None] * first
+        + (radius * np.sin(angle))[:, None] * second
+    )
+    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+
+
+def _band(channel: int, value: float) -> dict[str, Any]:
+    bands = [0.0, 0.0, 0.0]
+    bands[channel] = value
+    return {"type": "rgb", "value": bands}
+
+
+def _sun_emitter(direction: Floats, group: SunGroup) -> dict[str, Any]:
+    return {
+        "type": "directional",
+        "direction": [float(-x) for x in direction],
+        "irradiance": _band(group.channel, group.irradiance_w_m2),
+    }
+
+
+def _beam_bitmap(exponent: float) -> Any:
+    """Bitmap of ``cos^n`` as the spot light projects it: over the tangent plane, out to cutoff."""
+    half = np.tan(np.deg2rad(BEAM_CUTOFF_DEG))
+    steps = (np.arange(BEAM_BITMAP) + 0.5) / BEAM_BITMAP * 2.0 - 1.0
+    x, y = np.meshgrid(steps * half, steps * half)
+    cosine = 1.0 / np.sqrt(1.0 + x**2 + y**2)
+    return mi.Bitmap((cosine**exponent)[..., None].astype(np.float32))
+
+
+def _lamp_emitters(group: LampGroup, cam_from_target: RigidTransform) -> dict[str, Any]:
+    target_from_cam = cam_from_target.inverse()
+    axis, up = target_from_cam.rotation[:, 2], -target_from_cam.rotation[:, 1]
+    texture = {
+        "type": "bitmap",
+        "bitmap": _beam_bitmap(group.ring.exponent),
+        "raw": True,
+        "wrap_mode": "clamp",
+    }
+    intensity = _band(group.channel, group.ring.intensity_w_sr / group.ring.count)
+    return {
+        f"{group.name}_{number}": {
+            "type": "spot",
+            "to_world": mi.ScalarTransform4f().look_at(
+                origin=place.tolist(), target=(place + axis).tolist(), up=up.tolist()
+            ),
+            "intensity": intensity,
+            "texture": texture,
+            "cutoff_angle": BEAM_CUTOFF_DEG,
+            "beam_width": BEAM_CUTOFF_DEG - 1e-3,
+        }
+        for number, place in enumerate(group.points_in_target(cam_from_target))
+    }
+
+
+def render_group(
+    geometry: SceneGeometry,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    group: LightGroup,
+    windows: list[Window],
+    samples: int,
+    max_depth: int,
+    seed: int,
+) -> list[Radiance]:
+    """Render one group in some windows of the image.
+
+    Returns
+    -------
+    list of (height, width) float32 arrays, W m-2 sr-1, one for each window.
+    """
+    if isinstance(group, SunGroup):
+        directions = sun_disc_directions(group, SUN_PASSES)
+        scenes = [{"sun": _sun_emitter(direction, group)} for direction in directions]
+    else:
+        scenes = [_lamp_emitters(group, cam_from_target)]
+    integrator = mi.load_dict({"type": "path", "max_depth": max_depth + 1, "rr_depth": 10_000})
+    images = [np.zeros((window[3], window[2])) for window in windows]
+    for number, emitters in enumerate(scenes):
+        scene = geometry.scene(**emitters)
+        place_chaser(scene, geometry, cam_from_target)
+        for image, (left, top, width, height) in zip(images, windows, strict=True):
+            film = {
+                "type": "hdrfilm",
+                "width": camera.width,
+                "height": camera.height,
+                "crop_offset_x": left,
+                "crop_offset_y": top,
+                "crop_width": width,
+                "crop_height": height,
+                "rfilter": {"type": "box"},
+                "pixel_format": "rgb",
+                "component_format": "float32",
+            }
+            each = max(1, round(samples / len(scenes)))
+            sampler = {"type": "stratified", "sample_count": each}
+            sensor = sensor_dict(camera, cam_from_target, film) | {"sampler": sampler}
+            rendered = mi.render(
+                scene,
+                sensor=mi.load_dict(sensor),
+                integrator=integrator,
+                spp=each,
+                seed=(seed + number) % 2**32,
+            )
+            image += np.array(rendered)[..., group.channel] / len(scenes)
+    return [image.astype(np.float32) for image in images]

@@ -1,0 +1,141 @@
+"""From radiance to a detector frame: the chain of a real camera, in its order, without Mitsuba.
+
+Optics (point spread, vignetting) -> photons -> quantum efficiency and pixel response -> dark
+current -> Poisson -> full well, blooming -> read noise -> gain, bias -> converter. Nothing is
+added that the detector's parameters do not name, and the same seed gives the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+from models.arrays import Floats, Image, Radiance
+from models.camera import Camera
+from models.sensor import Detector, Optics, photon_energy_j
+from renders.light_groups import LampGroup, LightGroup
+
+SUNLIGHT_NM = 825.0  # middle of the 790 to 860 nm passband, for sunlight's mean photon
+CHIP_SEED = 20220  # one chip flies: its pixel response is the same in every frame and run
+
+
+def electrons_per_radiance(optics: Optics, detector: Detector, wavelength_nm: float) -> float:
+    """Return electrons per pixel and second for 1 W m-2 sr-1 on axis.
+
+    The camera equation: irradiance on the chip is ``L tau pi / (4 N^2)`` (focused far off), times
+    pixel area, over the photon's energy, times quantum efficiency.
+    """
+    irradiance = optics.transmission * np.pi / (4.0 * optics.f_number**2)
+    area_m2 = (detector.pixel_pitch_um * 1e-6) ** 2
+    return float(
+        irradiance * area_m2 * detector.quantum_efficiency / photon_energy_j(wavelength_nm)
+    )
+
+
+@lru_cache(maxsize=4)
+def vignetting(camera: Camera) -> Floats:
+    """Return the fourth power of the cosine off axis at each pixel, (height, width)."""
+    v, u = np.mgrid[0 : camera.height, 0 : camera.width].astype(np.float64)
+    x = (u - camera.cx) / camera.fx
+    y = (v - camera.cy) / camera.fy
+    return 1.0 / (1.0 + x**2 + y**2) ** 2
+
+
+@lru_cache(maxsize=4)
+def pixel_response(height: int, width: int, sigma: float) -> Radiance:
+    """Return the chip's fixed pattern of relative response, (height, width)."""
+    rng = np.random.default_rng(CHIP_SEED)
+    pattern = 1.0 + sigma * rng.standard_normal((height, width), dtype=np.float32)
+    return np.maximum(pattern, 0.0)
+
+
+def electron_rate(
+    groups: Mapping[LightGroup, Radiance],
+    optics: Optics,
+    detector: Detector,
+    scales: Mapping[str, float] | None = None,
+) -> Radiance:
+    """Add light groups up to electrons per pixel and second, on axis and unblurred.
+
+    Parameters
+    ----------
+    groups : mapping of LightGroup to (height, width) arrays, W m-2 sr-1
+    optics, detector
+    scales : mapping of str to float, optional
+        Factor by group name, such as another lamp power; 1 where not named.
+    """
+    total: Radiance | None = None
+    for group, radiance in groups.items():
+        wavelength = group.ring.wavelength_nm if isinstance(group, LampGroup) else SUNLIGHT_NM
+        factor = electrons_per_radiance(optics, detector, wavelength)
+        factor *= (scales or {}).get(group.name, 1.0)
+        share = radiance * np.float32(factor)
+        total = share if total is None else total + share
+    if total is None:
+        raise ValueError("expected at least one light group, got none")
+    return total
+
+
+def mean_electrons(
+    rate_e_s: Radiance, exposure_ms: float, camera: Camera, optics: Optics, detector: Detector
+) -> Floats:
+    """Return the expected charge of each pixel before the full well, (height, width), e."""
+    blurred = np.asarray(rate_e_s, dtype=np.float32)
+    if optics.psf_sigma_px > 0.0:
+        blurred = cv2.GaussianBlur(
+            blurred, (0, 0), optics.psf_sigma_px, borderType=cv2.BORDER_REPLICATE
+        )
+    charge = blurred.astype(np.float64)
+    if optics.vignetting:
+        charge *= vignetting(camera)
+    if detector.prnu > 0.0:
+        charge *= pixel_response(camera.height, camera.width, detector.prnu)
+    return (charge + detector.dark_current_e_s) * (exposure_ms * 1e-3)
+
+
+def bloom(charge: Floats, full_well_e: float, share: float) -> Floats:
+    """Clip at the full well; ``share`` of the excess runs along the column, half each way.
+
+    A spill fills the next pixel up to its own full well and what is left runs on; what reaches
+    the end of a column is lost to the drain.
+    """
+    clipped = np.minimum(charge, full_well_e)
+    if share <= 0.0 or not (charge > full_well_e).any():
+        return clipped
+    spill = 0.5 * share * (charge - clipped)
+    for rows in (range(charge.shape[0]), range(charge.shape[0] - 1, -1, -1)):
+        carried = np.zeros(charge.shape[1])
+        for row in rows:
+            room = full_well_e - clipped[row]
+            taken = np.minimum(carried, room)
+            clipped[row] += taken
+            carried = carried - taken + spill[row]
+    return clipped
+
+
+def expose_electrons(mean_e: Floats, detector: Detector, rng: np.random.Generator) -> Image:
+    """Draw one frame from the expected charge.
+
+    Parameters
+    ----------
+    mean_e : (height, width) array, e
+    detector : Detector
+    rng : numpy Generator
+
+    Returns
+    -------
+    (height, width) uint16 array, DN.
+    """
+    charge = rng.poisson(mean_e).astype(np.float64)
+    charge = bloom(charge, detector.full_well_e, detector.blooming)
+    charge += detector.read_noise_e * rng.standard_normal(charge.shape, dtype=np.float32)
+    level = np.rint(charge / detector.gain_e_dn + detector.bias_dn)
+    return np.clip(level, 0, detector.max_dn).astype(np.uint16)
+
+
+def exposure_rng(run: int, frame: int, band: int) -> np.random.Generator:
+    """Return the random numbers of one exposure: keyed, never drawn in sequence."""
+    return np.random.default_rng(np.random.SeedSequence([run, frame, band]))

@@ -1,0 +1,196 @@
+"""One path-traced pass that keeps every light in its own channel (JIT variants).
+
+Primary hits and bounces are shared: at each vertex every light is sampled on its own, its
+contribution goes to its own sum, and one BSDF sample carries the path on for all of them. Lanes
+are pixels and samples are a loop inside the kernel, so nothing is added atomically: equal seeds
+give equal bits. The random numbers of a pixel depend on the seed and the pixel alone, not on the
+lights or on the window that is rendered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from models.arrays import AnyArray, Radiance
+from models.camera import Camera
+from models.pose import RigidTransform
+from renders.camera_plugin import ray_direction_in_cam
+from renders.light_groups import LampGroup, LightGroup, SunGroup
+
+
+class SunLight:
+    """A Sun group as the kernel samples it."""
+
+    def __init__(self, group: SunGroup) -> None:
+        direction = np.asarray(group.direction_in_target)
+        self.channel = group.channel
+        self.radius = group.sine_of_radius
+        self.irradiance = dr.opaque(mi.Float, group.irradiance_w_m2)
+        self.direction = mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in direction))
+
+    def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
+        """Return (unit direction to the light, distance or inf, irradiance facing it)."""
+        frame = mi.Frame3f(self.direction)
+        offset = self.radius * disc
+        towards = dr.normalize(self.direction + frame.s * offset.x + frame.t * offset.y)
+        return towards, mi.Float(dr.inf), self.irradiance
+
+
+class LampLight:
+    """A lamp group as the kernel samples it: one LED of the ring, chosen uniformly."""
+
+    def __init__(self, group: LampGroup, cam_from_target: RigidTransform) -> None:
+        target_from_cam = cam_from_target.inverse()
+        self.channel = group.channel
+        self.count = float(group.ring.count)
+        self.exponent = float(group.ring.exponent)
+        self.intensity = dr.opaque(mi.Float, group.ring.intensity_w_sr)
+        points = np.asarray(group.points_in_target(cam_from_target), dtype=np.float32)
+        self.points = mi.Float(points.ravel())
+        dr.make_opaque(self.points)
+        axis = target_from_cam.rotation[:, 2]
+        self.axis = mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in axis))
+
+    def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
+        """Return (unit direction to the LED, distance, irradiance facing it)."""
+        led = mi.UInt32(dr.minimum(choice * self.count, self.count - 1.0))
+        place = dr.gather(mi.Point3f, self.points, led)
+        towards = place - point
+        squared = dr.squared_norm(towards)
+        distance = dr.sqrt(squared)
+        towards = towards / distance
+        cosine = dr.maximum(-dr.dot(towards, self.axis), 0.0)
+        beam = dr.power(cosine, self.exponent)
+        return towards, distance, self.intensity * beam / squared
+
+
+def light_of(group: LightGroup, cam_from_target: RigidTransform) -> SunLight | LampLight:
+    """Return the kernel's view of a group."""
+    if isinstance(group, SunGroup):
+        return SunLight(group)
+    return LampLight(group, cam_from_target)
+
+
+@dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
+def _trace(
+    scene: Any,
+    ray_of: Any,
+    lights: Any,
+    pixels: Any,
+    width: Any,
+    grid: Any,
+    max_depth: Any,
+    rng: Any,
+) -> Any:
+    """Return a list of radiance sums, one array over the pixels for each light."""
+    context = mi.BSDFContext()
+    sums = [dr.zeros(mi.Float, dr.width(pixels)) for _ in lights]
+    column = mi.Float(pixels % width)
+    row = mi.Float(pixels // width)
+    cell = 1.0 / mi.Float(grid)
+    index = dr.zeros(mi.UInt32, dr.width(pixels))
+    while index < grid * grid:
+        u = column + (mi.Float(index % grid) + rng.next_float32()) * cell - 0.5
+        v = row + (mi.Float(index // grid) + rng.next_float32()) * cell - 0.5
+        ray = ray_of(u, v)
+        throughput = mi.Color3f(1.0)
+        depth = mi.UInt32(0)
+        active = mi.Bool(True)
+        while active:
+            si = scene.ray_intersect(ray, active)
+            active &= si.is_valid()
+            bsdf = si.bsdf(ray)
+            disc = mi.warp.square_to_uniform_disk_concentric(
+                mi.Point2f(rng.next_float32(), rng.next_float32())
+            )
+            choice = rng.next_float32()
+            for number, light in enumerate(lights):
+                towards, distance, irradiance = light.sample(si.p, disc, choice)
+                wo = si.to_local(towards)
+                facing = active & (dr.dot(towards, si.n) * si.wi.z > 0.0) & (irradiance > 0.0)
+                value = bsdf.eval(context, si, wo, facing)
+                share = value[light.channel] * throughput[light.channel] * irradiance
+                facing &= share > 0.0
+                shadow = si.spawn_ray(towards)
+                shadow.maxt = distance * (1.0 - 1e-4)
+                dark = scene.ray_test(shadow, facing)
+                sums[number] += dr.select(facing & ~dark, share, 0.0)
+            depth += 1
+            active &= depth < max_depth
+            sample1 = rng.next_float32()
+            sample2 = mi.Point2f(rng.next_float32(), rng.next_float32())
+            bsdf_sample, weight = bsdf.sample(context, si, sample1, sample2, active)
+            throughput *= weight
+            active &= dr.any(throughput > 0.0)
+            ray = si.spawn_ray(si.to_world(bsdf_sample.wo))
+        index += 1
+    return [total / mi.Float(grid * grid) for total in sums]
+
+
+def trace_groups(
+    scene: Any,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    groups: Sequence[LightGroup],
+    pixels: AnyArray,
+    grid: int,
+    max_depth: int,
+    seed: int,
+) -> dict[str, Radiance]:
+    """Path-trace some pixels for all groups at once.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        Geometry in the target frame; its emitters are not used.
+    camera : Camera
+    cam_from_target : RigidTransform
+    groups : sequence of LightGroup
+    pixels : (n,) uint32 array
+        Indices ``row * width + column``.
+    grid : int
+        Samples per pixel are ``grid**2``, stratified over the pixel.
+    max_depth : int
+        Surface interactions a path may have; 1 is direct light only.
+    seed : int
+
+    Returns
+    -------
+    dict of (n,) float32 arrays, W m-2 sr-1, by group name.
+    """
+    target_from_cam = cam_from_target.inverse()
+    rotation = [
+        mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in target_from_cam.rotation[:, axis]))
+        for axis in range(3)
+    ]
+    lens = mi.Point3f(*(dr.opaque(mi.Float, float(x)) for x in target_from_cam.translation))
+
+    def ray_of(u: Any, v: Any) -> Any:
+        in_cam = ray_direction_in_cam(camera, u, v)
+        direction = rotation[0] * in_cam.x + rotation[1] * in_cam.y + rotation[2] * in_cam.z
+        return mi.Ray3f(lens, dr.normalize(direction))
+
+    lights = [light_of(group, cam_from_target) for group in groups]
+    lanes = mi.UInt32(np.ascontiguousarray(pixels, dtype=np.uint32))
+    rng = mi.PCG32()
+    rng.seed(initstate=mi.UInt64(seed), initseq=mi.UInt64(lanes))
+    sums = _trace(
+        scene,
+        ray_of,
+        lights,
+        lanes,
+        mi.UInt32(camera.width),
+        dr.opaque(mi.UInt32, grid),
+        dr.opaque(mi.UInt32, max_depth),
+        rng,
+    )
+    dr.eval(sums)
+    return {
+        group.name: np.array(total, dtype=np.float32)
+        for group, total in zip(groups, sums, strict=True)
+    }

@@ -1,0 +1,151 @@
+"""Radiance of light groups over a whole image, with more samples where markers are.
+
+The whole image is traced with a few samples per pixel, then the windows around the markers anew
+with many, because there Monte-Carlo noise must stay well below the detector's own. One seed serves
+both exposures of a pair, so that their noise cancels in the difference instead of making blobs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from models.arrays import Radiance
+from models.camera import Camera
+from models.frame import MarkerPattern
+from models.pose import RigidTransform
+from renders.emitter_by_emitter import Window, render_group
+from renders.group_integrator import trace_groups
+from renders.light_groups import LightGroup
+from renders.scene import SceneGeometry
+
+WINDOW_MARGIN_PX = 3.0  # beyond the disc: the point-spread function at five sigma
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How many paths, how long, and from which seed.
+
+    Attributes
+    ----------
+    samples, marker_samples : int
+        Per pixel, square numbers.
+    max_depth : int
+        Surface interactions of a path; 1 is direct light.
+    seed : int
+    """
+
+    samples: int
+    marker_samples: int
+    max_depth: int
+    seed: int
+
+
+def marker_windows(
+    markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform
+) -> list[Window]:
+    """Return the windows (left, top, width, height), px, that hold each marker's disc."""
+    windows = []
+    in_cam = cam_from_target @ markers.points_in_target
+    for (u, v), point in zip(camera.project(in_cam), in_cam, strict=True):
+        if point[2] <= markers.radius_m:
+            continue
+        reach = markers.radius_m * max(camera.fx, camera.fy) / point[2] + WINDOW_MARGIN_PX
+        left, top = max(0, int(np.floor(u - reach))), max(0, int(np.floor(v - reach)))
+        right = min(camera.width, int(np.ceil(u + reach)) + 1)
+        bottom = min(camera.height, int(np.ceil(v + reach)) + 1)
+        if right > left and bottom > top:
+            windows.append((left, top, right - left, bottom - top))
+    return windows
+
+
+def render_radiance(
+    scene: Any,
+    geometry: SceneGeometry,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    groups: Sequence[LightGroup],
+    markers: MarkerPattern | None,
+    sampling: Sampling,
+) -> dict[str, Radiance]:
+    """Render all groups of one exposure.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        ``geometry`` loaded, with the chaser in its place.
+    geometry : SceneGeometry
+    camera : Camera
+    cam_from_target : RigidTransform
+    groups : sequence of LightGroup
+    markers : MarkerPattern or None
+        Where to spend ``marker_samples``.
+    sampling : Sampling
+
+    Returns
+    -------
+    dict of (height, width) float32 arrays, W m-2 sr-1, by group name.
+    """
+    windows = marker_windows(markers, camera, cam_from_target) if markers is not None else []
+    if not dr.is_jit_v(mi.Float):
+        return _one_by_one(geometry, camera, cam_from_target, groups, windows, sampling)
+    everywhere = np.arange(camera.width * camera.height, dtype=np.uint32)
+    images = _traced(scene, camera, cam_from_target, groups, everywhere, sampling.samples, sampling)
+    if windows:
+        grid = everywhere.reshape(camera.height, camera.width)
+        inside = np.unique(
+            np.concatenate([grid[t : t + h, a : a + w].ravel() for a, t, w, h in windows])
+        )
+        fine = _traced(
+            scene, camera, cam_from_target, groups, inside, sampling.marker_samples, sampling
+        )
+        for name, image in images.items():
+            image[inside] = fine[name]
+    return {name: image.reshape(camera.height, camera.width) for name, image in images.items()}
+
+
+def _traced(
+    scene: Any,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    groups: Sequence[LightGroup],
+    pixels: Any,
+    samples: int,
+    sampling: Sampling,
+) -> dict[str, Radiance]:
+    return trace_groups(
+        scene,
+        camera,
+        cam_from_target,
+        groups,
+        pixels,
+        grid=round(samples**0.5),
+        max_depth=sampling.max_depth,
+        seed=sampling.seed,
+    )
+
+
+def _one_by_one(
+    geometry: SceneGeometry,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    groups: Sequence[LightGroup],
+    windows: list[Window],
+    sampling: Sampling,
+) -> dict[str, Radiance]:
+    whole = [(0, 0, camera.width, camera.height)]
+    images = {}
+    for group in groups:
+        common = (geometry, camera, cam_from_target, group)
+        depth, seed = sampling.max_depth, sampling.seed
+        image = render_group(*common, whole, sampling.samples, depth, seed)[0]
+        fine = render_group(*common, windows, sampling.marker_samples, depth, seed)
+        for (left, top, width, height), patch in zip(windows, fine, strict=True):
+            image[top : top + height, left : left + width] = patch
+        images[group.name] = image
+    return images

@@ -1,0 +1,112 @@
+"""Frames composed from the store: another run of the same light costs no rendering.
+
+A run has its own detector noise, prior and calibration. ``truth/light.json`` names the store
+entries of each exposure, so no Mitsuba is loaded.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from models.arrays import Image, Radiance
+from models.dataset import FrameEntry
+from models.errors import DatasetError
+from models.frame import FlightKnowledge, Frame
+from renders.expose import electron_rate, expose_electrons, exposure_rng, mean_electrons
+from renders.light_groups import LightGroup
+from renders.scenario import read_scenario
+from renders.store import RadianceStore
+from renders.world import BANDS, Exposure, World
+
+
+def lit_by(world: World, band: int) -> list[LightGroup]:
+    """Return the groups that light one exposure: the Sun, and the lamps of its band."""
+    return [world.sun, world.lamps(band)]
+
+
+def compose(
+    world: World,
+    groups: Mapping[LightGroup, Radiance],
+    exposure: Exposure,
+    exposure_ms: float,
+    run: int,
+) -> Image:
+    """Expose one frame from its light groups; see ``renders.expose``."""
+    optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
+    rate = electron_rate(groups, optics, detector)
+    mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector)
+    rng = exposure_rng(run, exposure.frame, exposure.band)
+    return expose_electrons(mean_e, detector, rng)
+
+
+def read_groups(
+    store: RadianceStore, world: World, band: int, keys: Mapping[str, str]
+) -> dict[LightGroup, Radiance] | None:
+    """Read what lights one exposure, or None if an entry is absent or damaged."""
+    groups: dict[LightGroup, Radiance] = {}
+    for group in lit_by(world, band):
+        radiance = store.read(keys[group.name]) if group.name in keys else None
+        if radiance is None:
+            return None
+        groups[group] = radiance
+    return groups
+
+
+def light_record(store: RadianceStore, keys: Mapping[tuple[int, int], Mapping[str, str]]) -> str:
+    """Return the text of ``truth/light.json``."""
+    exposures = {f"{frame:06d}_{band}": dict(names) for (frame, band), names in keys.items()}
+    table = {"store": str(store.folder.resolve()), "exposures": exposures}
+    return json.dumps(table, indent=1) + "\n"
+
+
+def _read_light_record(folder: Path) -> dict[str, Any]:
+    path = folder / "truth" / "light.json"
+    try:
+        return dict(json.loads(path.read_text()))
+    except (OSError, ValueError) as error:
+        raise DatasetError(
+            f"expected the light's keys at {path}, got: {error}; render the dataset again"
+        ) from error
+
+
+def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Frame]]:
+    """Expose all frames of a rendered dataset again, as run number ``run`` sees them.
+
+    Parameters
+    ----------
+    folder : Path
+        A dataset whose light is still in its store.
+    run : int
+        0 gives the frames of the dataset itself.
+
+    Raises
+    ------
+    DatasetError
+        If the dataset was not rendered here, or an entry has left the store.
+    """
+    world = World(read_scenario(folder / "truth" / "scenario.toml"))
+    record = _read_light_record(folder)
+    store = RadianceStore(Path(record["store"]))
+    knowledge = world.knowledge(run)
+    entries = world.frame_entries(knowledge.prior)
+
+    def image(entry: FrameEntry, band: int) -> Image:
+        exposure = Exposure(entry.index, band, entry.time_s)
+        keys = record["exposures"][f"{entry.index:06d}_{band}"]
+        groups = read_groups(store, world, band, keys)
+        if groups is None:
+            raise DatasetError(
+                f"expected the light of frame {entry.index} at {band} nm in {store.folder}, "
+                "found it absent or damaged; run the render again to bring it back"
+            )
+        return compose(world, groups, exposure, entry.exposure_ms, run)
+
+    def frames() -> Iterator[Frame]:
+        for entry in entries:
+            pair = {band: image(entry, band) for band in BANDS}
+            yield Frame(entry.index, entry.time_s, pair[800], pair[850], entry.exposure_ms)
+
+    return knowledge, frames()

@@ -1,0 +1,358 @@
+"""A scenario: a TOML file read into frozen tables that refuse unknown keys, and its options.
+
+A case such as ``maxar-approach`` is a scenario that ships with the bench; a path to a TOML file
+works wherever a case's name does. Every default is written out beside the output.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import tomli_w
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from models.camera import Camera, camera_preset
+from models.errors import ScenarioError
+from models.lights.sun import sun_direction
+from models.sensor import Detector, Optics
+
+CASES = Path(__file__).resolve().parent.parent / "bench" / "cases"
+
+
+class Table(BaseModel):
+    """A frozen table of a scenario; an unknown key is an error."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False, allow_inf_nan=False)
+
+
+class CameraTable(Table):
+    """Which camera flies, as simulated."""
+
+    preset: str = Field("chaser_fixed", description="chaser_fixed or eye_in_hand")
+    width: int = Field(2048, ge=64, le=8192, description="columns; the field of view stays")
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+
+
+class OpticsTable(Table):
+    """The lens; see ``models.sensor.Optics``."""
+
+    f_number: float = Field(16.0, gt=0)
+    transmission: float = Field(0.8, gt=0, le=1)
+    psf_sigma_px: float = Field(0.5, ge=0, description="on the native 13.5 um pixel")
+    vignetting: bool = True
+
+
+class DetectorTable(Table):
+    """The chip; see ``models.sensor.Detector``."""
+
+    pixel_pitch_um: float = Field(13.5, gt=0, description="at 2048 columns")
+    quantum_efficiency: float = Field(0.5, gt=0, le=1)
+    prnu: float = Field(0.005, ge=0)
+    dark_current_e_s: float = Field(20.0, ge=0)
+    full_well_e: float = Field(100_000.0, gt=0)
+    blooming: float = Field(0.0, ge=0, le=1)
+    read_noise_e: float = Field(12.0, ge=0)
+    gain_e_dn: float = Field(26.0, gt=0)
+    bias_dn: float = Field(100.0, ge=0)
+    bits: int = Field(12, ge=8, le=16)
+
+
+class LampsTable(Table):
+    """The 800 and 850 nm LED rings; see ``models.lights.led_beam``."""
+
+    intensity_w_sr: float = Field(12.0, gt=0, description="on axis, all LEDs of a wavelength")
+    count: int = Field(8, ge=1, le=64)
+    radius_m: float = Field(0.03, gt=0, le=0.05)
+    half_intensity_deg: float = Field(25.0, gt=0, lt=90)
+
+
+class SunTable(Table):
+    """Where the Sun stands: S1 to S7, or a vector x,y,z in the target frame."""
+
+    default: str = "S2"
+    shared: tuple[str, ...] = Field((), description="Suns rendered in one pass with any other")
+
+
+class RetroreflectorTable(Table):
+    """The effective retroreflective disc; see ``renders.retroreflector``."""
+
+    half_angle_deg: float = Field(2.0, gt=0.2, lt=10)
+    returned_850: float = Field(0.6, ge=0, le=1)
+    returned_800: float = Field(0.002, ge=0, le=1)
+
+
+class MotionTable(Table):
+    """The approach and its clock; see ``models.motion.approach``."""
+
+    start_s: float = Field(0.0, ge=0)
+    end_s: float = Field(330.0, gt=0)
+    rate_hz: float = Field(5.0, gt=0, le=15, description="pose rate; the pair is 33 ms apart")
+    pair_gap_ms: float = Field(33.0, gt=0, description="800 nm exposure before the 850 nm one")
+    target_wobble: bool = Field(True, description="attitude motion of the stabilised target")
+
+
+class RenderTable(Table):
+    """How light is traced."""
+
+    samples: int = Field(16, ge=1, le=4096, description="per pixel; a square number")
+    marker_samples: int = Field(4096, ge=1, description="per pixel in the marker windows")
+    max_depth: int = Field(4, ge=1, le=32, description="surface interactions of a path")
+    seed: int = Field(1, ge=0)
+
+
+class ExposureTable(Table):
+    """Exposure time: proportional to the prior's range squared."""
+
+    marker_fill: float = Field(0.6, gt=0, le=1, description="share of full well, on axis")
+
+
+class PriorTable(Table):
+    """1-sigma of the first pose, Opromolla 2022 Table 5."""
+
+    sigma_t_m: tuple[float, float, float] = (0.017, 0.017, 0.05)
+    sigma_euler_deg: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+class CalibrationTable(Table):
+    """1-sigma of the calibrated camera against the simulated one; zero is exact."""
+
+    sigma_focal_px: float = Field(0.0, ge=0)
+    sigma_principal_point_px: float = Field(0.0, ge=0)
+
+
+class Scenario(Table):
+    """Everything that shapes a dataset."""
+
+    name: str
+    description: str = ""
+    target: str = "maxar1300"
+    camera: CameraTable = CameraTable()  # type: ignore[call-arg]
+    optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
+    detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
+    lamps: LampsTable = LampsTable()  # type: ignore[call-arg]
+    sun: SunTable = SunTable()  # type: ignore[call-arg]
+    retroreflector: RetroreflectorTable = RetroreflectorTable()  # type: ignore[call-arg]
+    motion: MotionTable = MotionTable()  # type: ignore[call-arg]
+    render: RenderTable = RenderTable()  # type: ignore[call-arg]
+    exposure: ExposureTable = ExposureTable()  # type: ignore[call-arg]
+    prior: PriorTable = PriorTable()
+    calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
+
+    @property
+    def times_s(self) -> list[float]:
+        """Middles of the 850 nm exposures, s."""
+        span = self.motion.end_s - self.motion.start_s
+        count = int(span * self.motion.rate_hz + 1e-9) + 1
+        return [self.motion.start_s + number / self.motion.rate_hz for number in range(count)]
+
+    @property
+    def simulated_camera(self) -> Camera:
+        """The camera that renders."""
+        table = self.camera
+        camera = camera_preset(table.preset).resized(table.width)
+        coefficients = {name: getattr(table, name) for name in ("k1", "k2", "p1", "p2", "k3")}
+        return Camera(
+            camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, **coefficients
+        )
+
+    @property
+    def pixel_scale(self) -> float:
+        """Columns over those of the preset: below 1, pixels are larger than the chip's own."""
+        return self.camera.width / camera_preset(self.camera.preset).width
+
+    @property
+    def simulated_optics(self) -> Optics:
+        """The lens, its blur in the pixels that are rendered."""
+        table = self.optics.model_dump()
+        table["psf_sigma_px"] *= self.pixel_scale
+        return Optics(**table)
+
+    @property
+    def simulated_detector(self) -> Detector:
+        """The chip, with the pixels that are rendered."""
+        table = self.detector.model_dump()
+        table["pixel_pitch_um"] /= self.pixel_scale
+        return Detector(**table)
+
+    def to_toml(self) -> str:
+        """Write the scenario with every default resolved."""
+        return tomli_w.dumps(json.loads(self.model_dump_json()))
+
+    def fingerprint(self) -> str:
+        """Return a hash of everything in it but its prose."""
+        table = self.model_dump(mode="json", exclude={"description"})
+        return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class RenderRequest:
+    """A case and the options typed with it.
+
+    Attributes
+    ----------
+    case : str
+        Name of a case, or path of a scenario file.
+    out : Path
+        Folder of the dataset.
+    sun : str, optional
+        S1 to S7 or x,y,z.
+    rate_hz, start_s, end_s : float, optional
+    width : int, optional, px
+    spp : int, optional
+        Samples per pixel.
+    variant : str
+        auto, llvm, cuda or scalar.
+    seeds : int
+        Runs over the same light, each with its own detector noise and prior.
+    store : Path, optional
+        Folder of the radiance store.
+    threads : int, optional
+    """
+
+    case: str
+    out: Path
+    sun: str | None = None
+    rate_hz: float | None = None
+    start_s: float | None = None
+    end_s: float | None = None
+    width: int | None = None
+    spp: int | None = None
+    variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
+    seeds: int = 1
+    store: Path | None = None
+    threads: int | None = None
+
+
+def case_names() -> list[str]:
+    """Return the names of the cases that ship with the bench."""
+    return sorted(path.stem for path in CASES.glob("*.toml"))
+
+
+def case_path(case: str) -> Path:
+    """Return the file of a case, by name or path.
+
+    Raises
+    ------
+    ScenarioError
+        If there is none; the message lists the cases and suggests the nearest.
+    """
+    path = CASES / f"{case}.toml"
+    if path.is_file() and "/" not in case:
+        return path
+    if case.endswith(".toml"):
+        if Path(case).is_file():
+            return Path(case)
+        raise ScenarioError(f"expected a scenario file at {case}, found none")
+    near = difflib.get_close_matches(case, case_names(), n=1)
+    hint = f"; perhaps you meant {near[0]}" if near else ""
+    raise ScenarioError(
+        f"expected a case among {', '.join(case_names())}, or a path to a .toml file, "
+        f"got {case!r}{hint}"
+    )
+
+
+def _known_keys(location: tuple[Any, ...]) -> list[str]:
+    model: type[BaseModel] = Scenario
+    for key in location:
+        annotation = model.model_fields[key].annotation if key in model.model_fields else None
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            return []
+        model = annotation
+    return list(model.model_fields)
+
+
+def _explain(path: Path, error: ValidationError) -> str:
+    lines = []
+    for item in error.errors():
+        location = item["loc"]
+        key = ".".join(str(part) for part in location)
+        if item["type"] == "extra_forbidden":
+            known = _known_keys(location[:-1])
+            near = difflib.get_close_matches(str(location[-1]), known, n=1)
+            hint = f"; perhaps you meant {near[0]}" if near else ""
+            lines.append(f"unknown key {key}; expected one of {', '.join(known)}{hint}")
+        else:
+            lines.append(f"{key}: {item['msg'].lower()}, got {item['input']!r}")
+    return f"{path}: " + "; ".join(lines)
+
+
+def read_scenario(path: Path) -> Scenario:
+    """Read a scenario file.
+
+    Raises
+    ------
+    ScenarioError
+        If it is not TOML, has an unknown key, or a value of the wrong kind, size or shape; the
+        message names file and key.
+    """
+    try:
+        table = tomllib.loads(path.read_text())
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: expected a scenario as TOML, got: {error}") from error
+    try:
+        scenario = Scenario(**table)
+    except ValidationError as error:
+        raise ScenarioError(_explain(path, error)) from error
+    return check_scenario(scenario, str(path))
+
+
+def check_scenario(scenario: Scenario, where: str) -> Scenario:
+    """Refuse what no single key can show: an empty span, a Sun that is none, odd samples."""
+    if scenario.motion.end_s < scenario.motion.start_s:
+        raise ScenarioError(
+            f"{where}: expected motion.end_s after motion.start_s, "
+            f"got {scenario.motion.start_s} to {scenario.motion.end_s} s"
+        )
+    for name in (scenario.sun.default, *scenario.sun.shared):
+        sun_direction(name)
+    for key in ("samples", "marker_samples"):
+        count = getattr(scenario.render, key)
+        if round(count**0.5) ** 2 != count:
+            near = max(1, round(count**0.5)) ** 2
+            raise ScenarioError(
+                f"{where}: expected render.{key} to be a square number (samples are stratified "
+                f"over the pixel), got {count}; {near} is the nearest"
+            )
+    camera_preset(scenario.camera.preset)
+    return scenario
+
+
+def resolve(request: RenderRequest) -> Scenario:
+    """Read a request's case and apply its options.
+
+    Raises
+    ------
+    ScenarioError
+        If the case, an option, or their combination cannot be used.
+    """
+    path = case_path(request.case)
+    scenario = read_scenario(path)
+    motion = {
+        key: getattr(request, key)
+        for key in ("rate_hz", "start_s", "end_s")
+        if getattr(request, key) is not None
+    }
+    changes: dict[str, dict[str, Any]] = {
+        "motion": motion,
+        "camera": {} if request.width is None else {"width": request.width},
+        "render": {} if request.spp is None else {"samples": request.spp},
+        "sun": {} if request.sun is None else {"default": request.sun},
+    }
+    table = scenario.model_dump()
+    for name, values in changes.items():
+        table[name].update(values)
+    try:
+        changed = Scenario(**table)
+    except ValidationError as error:
+        raise ScenarioError(_explain(Path("options"), error)) from error
+    return check_scenario(changed, f"{path} with the options given")

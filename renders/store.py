@@ -1,0 +1,121 @@
+"""The radiance store: rendered light, keyed by the hash of all that shaped it.
+
+One entry is one file, half-float, compressed, named by its key; it is written beside and renamed,
+so a killed run leaves whole entries or none. An entry carries the hash of its own pixels, and one
+that does not match is treated as absent and rendered again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+
+from models.arrays import AnyArray, Radiance
+from models.errors import StorageError
+
+STORE_VERSION = 1
+HALF_MAX = 65504.0  # a glint brighter than this saturates any detector a thousandfold
+
+
+def default_store() -> Path:
+    """Return ``$RVBENCH_STORE``, or a folder in the user's cache."""
+    if named := os.environ.get("RVBENCH_STORE"):
+        return Path(named)
+    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(cache) / "rvbench" / "store"
+
+
+def entry_key(shaping: Mapping[str, Any]) -> str:
+    """Return the key of what ``shaping`` describes; numbers enter with all their digits."""
+    text = json.dumps({"store": STORE_VERSION, **shaping}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def write_exr(path: Path, channels: Mapping[str, AnyArray]) -> None:
+    """Write an EXR file atomically, its pixels' hash in the header.
+
+    Raises
+    ------
+    StorageError
+        If the disk is full or read-only.
+    """
+    scratch = path.with_name(f".{path.stem}.{os.getpid()}.part.exr")
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "rvbench_sha256": _pixels_hash(channels),
+    }
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with OpenEXR.File(header, dict(channels)) as file:
+                file.write(str(scratch))
+            scratch.replace(path)
+        finally:
+            scratch.unlink(missing_ok=True)
+    except (OSError, RuntimeError) as error:
+        raise StorageError(
+            f"expected to write {path}, got: {error}; free some space or choose a folder that "
+            "can be written; everything written so far is whole, and the same command goes on"
+        ) from error
+
+
+def read_exr(path: Path) -> dict[str, AnyArray] | None:
+    """Read an EXR file back, or None if it is absent, truncated or not what was written."""
+    if not path.is_file():
+        return None
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            recorded = file.header().get("rvbench_sha256")
+            channels = {name: np.array(c.pixels) for name, c in file.channels().items()}
+    except (OSError, RuntimeError, ValueError):
+        return None
+    return channels if recorded == _pixels_hash(channels) else None
+
+
+def _pixels_hash(channels: Mapping[str, AnyArray]) -> str:
+    digest = hashlib.sha256()
+    for name in sorted(channels):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(channels[name]).data)
+    return digest.hexdigest()
+
+
+class RadianceStore:
+    """A folder of radiance entries.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when first written to.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def path(self, key: str) -> Path:
+        """Return where the entry of ``key`` lies, whether it is there or not."""
+        return self.folder / key[:2] / f"{key}.exr"
+
+    def has(self, key: str) -> bool:
+        """Tell whether an entry is there; ``read`` tells whether it is whole."""
+        return self.path(key).is_file()
+
+    def read(self, key: str) -> Radiance | None:
+        """Return an entry as (height, width) float32, W m-2 sr-1, or None if absent or damaged."""
+        channels = read_exr(self.path(key))
+        if channels is None or set(channels) != {"Y"}:
+            return None
+        return np.asarray(channels["Y"], dtype=np.float32)
+
+    def write(self, key: str, radiance: Radiance) -> None:
+        """Write an entry, rounded to half floats."""
+        half = np.minimum(radiance, HALF_MAX).astype(np.float16)
+        write_exr(self.path(key), {"Y": half})

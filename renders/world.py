@@ -1,0 +1,213 @@
+"""From a scenario to the things it names: camera, lamps, Suns, motion, and what flies on board.
+
+Nothing here renders, and each random draw is keyed by its run and purpose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from models.camera import Camera
+from models.dataset import FrameEntry
+from models.errors import ScenarioError
+from models.frame import FlightKnowledge
+from models.lights.led_beam import LedRing
+from models.lights.sun import SUN_CASES_DEG, sun_direction
+from models.materials import BandReflectance
+from models.motion.approach import Approach
+from models.motion.prior import draw_prior
+from models.pose import RigidTransform
+from models.spacecraft.catalogue import spacecraft_by_name
+from models.spacecraft.inside import is_inside
+from models.spacecraft.part import Spacecraft
+from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from renders.expose import electrons_per_radiance
+from renders.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
+from renders.scenario import Scenario
+
+PRIOR_DRAW, CALIBRATION_DRAW = 101, 102  # purposes that key a run's random numbers
+BANDS = (800, 850)
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """One image to be taken: frame number, band (800 or 850) and middle of the exposure, s."""
+
+    frame: int
+    band: int
+    time_s: float
+
+
+@dataclass(frozen=True)
+class World:
+    """A scenario's things; see ``renders.scenario``."""
+
+    scenario: Scenario
+
+    @cached_property
+    def camera(self) -> Camera:
+        """The camera that renders."""
+        return self.scenario.simulated_camera
+
+    @cached_property
+    def target(self) -> Spacecraft:
+        """The target, in the target frame."""
+        return spacecraft_by_name(self.scenario.target)
+
+    @cached_property
+    def chaser(self) -> Spacecraft:
+        """The chaser, in the camera's frame."""
+        return spacecraft_by_name("chaser")
+
+    @cached_property
+    def approach(self) -> Approach:
+        """The true motion."""
+        if self.scenario.motion.target_wobble:
+            return Approach()
+        return Approach(pointing_accuracy_deg=0.0)
+
+    @cached_property
+    def flight_plan(self) -> Approach:
+        """The motion that the chaser reckons with: the target does not sway."""
+        return replace(self.approach, pointing_accuracy_deg=0.0)
+
+    @cached_property
+    def optics(self) -> RetroreflectorOptics:
+        """What the markers return."""
+        table = self.scenario.retroreflector
+        return RetroreflectorOptics(
+            half_angle_deg=table.half_angle_deg,
+            returned=BandReflectance(0.0, table.returned_800, table.returned_850),
+        )
+
+    @cached_property
+    def exposures(self) -> list[Exposure]:
+        """All exposures in order of time, 800 nm before 850 nm."""
+        gap_s = self.scenario.motion.pair_gap_ms * 1e-3
+        return [
+            Exposure(frame, band, time_s - (gap_s if band == 800 else 0.0))
+            for frame, time_s in enumerate(self.scenario.times_s)
+            for band in BANDS
+        ]
+
+    def lamps(self, band: int) -> LampGroup:
+        """Return the lamps of 800 or 850 nm; the two rings interleave."""
+        table = self.scenario.lamps
+        half_step_deg = 180.0 / table.count
+        ring = LedRing(
+            wavelength_nm=float(band),
+            intensity_w_sr=table.intensity_w_sr,
+            count=table.count,
+            radius_m=table.radius_m,
+            phase_deg=half_step_deg if band == 850 else 0.0,
+            half_intensity_deg=table.half_intensity_deg,
+        )
+        return LampGroup(f"lamps_{band}", ring, NIR850 if band == 850 else NIR800)
+
+    @cached_property
+    def sun(self) -> SunGroup:
+        """The Sun that shines on the frames."""
+        return sun_group(self.scenario.sun.default)
+
+    @cached_property
+    def suns(self) -> list[SunGroup]:
+        """Every Sun that is rendered: the shared ones, and the one asked for if not among them."""
+        shared = [sun_group(name) for name in self.scenario.sun.shared]
+        if self.sun.name in {sun.name for sun in shared}:
+            return shared
+        return [*shared, self.sun]
+
+    def groups(self, band: int) -> list[LightGroup]:
+        """Return every group that is rendered for an exposure of ``band``."""
+        return [*self.suns, self.lamps(band)]
+
+    def render_seed(self, frame: int) -> int:
+        """Return the seed of both exposures of a frame: their noise cancels in the difference."""
+        sequence = np.random.SeedSequence([self.scenario.render.seed, frame])
+        return int(sequence.generate_state(1)[0])
+
+    def check_poses(self) -> None:
+        """Refuse a motion that takes the camera inside the target.
+
+        Raises
+        ------
+        ScenarioError
+            The message names the time.
+        """
+        for exposure in self.exposures:
+            cam_from_target = self.approach.cam_from_target(exposure.time_s)
+            place = cam_from_target.inverse().translation
+            if is_inside(self.target, place):
+                where = ", ".join(f"{x:.2f}" for x in place)
+                raise ScenarioError(
+                    f"expected the camera outside the target; at {exposure.time_s:.1f} s it is at "
+                    f"({where}) m in the target frame, inside {self.target.name}; "
+                    "end the motion earlier (motion.end_s or --end-s)"
+                )
+
+    def knowledge(self, run: int) -> FlightKnowledge:
+        """Return what is loaded on board in a run: its own prior and its own calibration."""
+        if self.target.markers is None:
+            raise ScenarioError(
+                f"expected a target with markers, {self.target.name} has none; "
+                "the 800/850 nm pair shows retroreflectors only"
+            )
+        first = self.approach.cam_from_target(self.scenario.times_s[0])
+        sigma_m = np.array(self.scenario.prior.sigma_t_m)
+        sigma_deg = np.array(self.scenario.prior.sigma_euler_deg)
+        return FlightKnowledge(
+            camera=self._calibrated_camera(run),
+            detector=self.scenario.simulated_detector,
+            markers=self.target.markers,
+            prior=draw_prior(first, sigma_m, sigma_deg, np.random.default_rng([run, PRIOR_DRAW])),
+            prior_sigma_m=sigma_m,
+            prior_sigma_deg=sigma_deg,
+        )
+
+    def _calibrated_camera(self, run: int) -> Camera:
+        table = self.scenario.calibration
+        draw = np.random.default_rng([run, CALIBRATION_DRAW]).standard_normal(4)
+        focal, centre = table.sigma_focal_px, table.sigma_principal_point_px
+        return replace(
+            self.camera,
+            fx=float(self.camera.fx + focal * draw[0]),
+            fy=float(self.camera.fy + focal * draw[1]),
+            cx=float(self.camera.cx + centre * draw[2]),
+            cy=float(self.camera.cy + centre * draw[3]),
+        )
+
+    def exposure_ms(self, time_s: float, prior: RigidTransform) -> float:
+        """Return the exposure time at ``time_s``: as the square of the range by the prior.
+
+        The flight plan's range, shifted by how far off the first prior had it, fills a marker on
+        the boresight to ``exposure.marker_fill`` of the full well.
+        """
+        start_s = self.scenario.times_s[0]
+        planned = self.flight_plan.cam_from_target(time_s).translation[2]
+        offset = prior.translation[2] - self.flight_plan.cam_from_target(start_s).translation[2]
+        range_m = max(planned + offset, 0.1)
+        lobe = np.pi * np.sin(np.deg2rad(self.optics.half_angle_deg)) ** 2
+        radiance = self.optics.returned.nir850 / lobe
+        radiance *= self.scenario.lamps.intensity_w_sr / range_m**2
+        detector = self.scenario.simulated_detector
+        rate = radiance * electrons_per_radiance(self.scenario.simulated_optics, detector, 850.0)
+        return float(1e3 * self.scenario.exposure.marker_fill * detector.full_well_e / rate)
+
+    def frame_entries(self, prior: RigidTransform) -> list[FrameEntry]:
+        """Return the rows of ``frames.csv`` for a run's prior."""
+        return [
+            FrameEntry(frame, time_s, self.exposure_ms(time_s, prior))
+            for frame, time_s in enumerate(self.scenario.times_s)
+        ]
+
+
+def sun_group(text: str) -> SunGroup:
+    """Return the light group of a Sun named S1 to S7 or typed as x,y,z."""
+    direction = sun_direction(text)
+    name = text.strip().upper()
+    if name not in SUN_CASES_DEG:
+        name = "_".join(f"{x:+.6f}" for x in direction)
+    return SunGroup(f"sun_{name}", (float(direction[0]), float(direction[1]), float(direction[2])))
