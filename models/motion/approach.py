@@ -81,17 +81,18 @@ class Approach:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in (
-            "semi_major_axis_m",
-            "start_range_m",
-            "duration_s",
-            "target_com_to_ring_m",
-            "chaser_com_to_camera_m",
-            "aim_slew_time_s",
-        ):
-            value = getattr(self, name)
-            if not 0.0 < value < np.inf:
-                raise ValueError(f"approach: expected a finite {name} above zero, got {value}")
+        lengths_and_times = (
+            self.semi_major_axis_m,
+            self.start_range_m,
+            self.duration_s,
+            self.target_com_to_ring_m,
+            self.chaser_com_to_camera_m,
+            self.aim_slew_time_s,
+        )
+        if not all(0.0 < value < np.inf for value in lengths_and_times):
+            raise ValueError(f"approach: expected finite lengths and times above zero, got {self}")
+        if not np.isfinite([*self.pattern_centre, self.aim_slew_m, self.aim_slew_middle_s]).all():
+            raise ValueError(f"approach: expected a finite aim, got {self}")
 
     @cached_property
     def mean_motion_rad_s(self) -> float:

@@ -38,13 +38,13 @@ def draw_prior(
     ValueError
         If a sigma is negative, not finite, or there are not three.
     """
-    sigmas = np.array([sigma_m, sigma_deg], dtype=np.float64)
-    if sigmas.shape != (2, 3) or not (np.isfinite(sigmas) & (sigmas >= 0.0)).all():
-        raise ValueError(
-            "expected three sigmas in m and three in deg, none negative, "
-            f"got {sigma_m!r} and {sigma_deg!r}"
-        )
-    noise = sigmas * rng.standard_normal((2, 3))
+    for sigma in (np.asarray(sigma_m), np.asarray(sigma_deg)):
+        if sigma.shape != (3,) or not (np.isfinite(sigma) & (sigma >= 0.0)).all():
+            raise ValueError(
+                "expected three sigmas in m and three in deg, none negative, "
+                f"got {sigma_m!r} and {sigma_deg!r}"
+            )
+    noise = np.array([sigma_m, sigma_deg]) * rng.standard_normal((2, 3))
     return RigidTransform(
         rotation_from_euler_321(euler_321_from_rotation(cam_from_target.rotation) + noise[1]),
         cam_from_target.translation + noise[0],

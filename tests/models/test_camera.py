@@ -125,7 +125,7 @@ def test_a_pincushion_can_be_undone_however_strong(strength: float) -> None:
 
 @pytest.mark.parametrize("k1", [-0.5, -3.0])
 def test_a_fold_inside_the_image_is_refused(k1: float) -> None:
-    """x (1 + k1 x^2) turns back at x^2 = -1 / (3 k1): nothing lies beyond its value there."""
+    """Since x (1 + k1 x^2) turns back at x^2 = -1 / (3 k1): nothing lies beyond its value there."""
     camera = replace(CHASER, k1=k1)
     fold = 1.0 / np.sqrt(-3.0 * k1)
     edge_px = camera.cx + camera.fx * fold * 2.0 / 3.0
@@ -210,7 +210,7 @@ def test_a_bad_camera_file_is_refused_with_a_reason(tmp_path: Path, text: str, s
 
 def test_a_missing_or_binary_camera_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "camera.toml"
-    with pytest.raises(ScenarioError, match="expected a camera as TOML, got: .*No such file"):
+    with pytest.raises(ScenarioError, match=r"expected a camera as TOML, got: .*No such file"):
         Camera.from_toml(path)
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ScenarioError, match="expected a camera as TOML"):

@@ -69,7 +69,7 @@ def test_any_vector_with_a_length_becomes_a_unit_vector_along_it(vector: Floats)
 
 @pytest.mark.parametrize("text", ["0,0,0", "0,0,1e-13"])
 def test_a_sun_of_no_length_is_refused(text: str) -> None:
-    with pytest.raises(ScenarioError, match="with a length.*give the vector from the target"):
+    with pytest.raises(ScenarioError, match=r"with a length.*give the vector from the target"):
         sun_direction(text)
 
 
@@ -91,9 +91,7 @@ def test_the_disc_and_its_light() -> None:
     diameter_deg = np.rad2deg(2.0 * np.arcsin(solar_radius_m / astronomical_unit_m))
     assert pytest.approx(diameter_deg, abs=5e-4) == ANGULAR_DIAMETER_DEG  # three figures
     wavelength_m, h, c, k = 825e-9, 6.62607015e-34, 299792458.0, 1.380649e-23
-    radiance = (
-        2 * h * c**2 / wavelength_m**5 / np.expm1(h * c / (wavelength_m * k * photosphere_k))
-    )
+    radiance = 2 * h * c**2 / wavelength_m**5 / np.expm1(h * c / (wavelength_m * k * photosphere_k))
     solid_angle = np.pi * np.sin(np.deg2rad(diameter_deg / 2.0)) ** 2
     black_body_w_m2 = radiance * solid_angle * 70e-9
     # The photosphere is brighter than its effective temperature's black body by some 7 % there.
