@@ -26,13 +26,17 @@ PINCUSHION = replace(Camera.from_fov(2048, 2048, 90.0), k1=0.3, k2=0.1)
 
 
 def distorted_cameras() -> st.SearchStrategy[Camera]:
-    """Lenses as calibrations find them, over a 50 deg image; none folds over inside it."""
+    """Lenses as calibrations find them, over a 50 deg image.
+
+    None folds over inside it: at the worst corner of these intervals the radius turns back at a
+    distorted 0.71, and the image's corner lies at 0.66.
+    """
     return st.builds(
         lambda k1, k2, p1, p2, k3: replace(CHASER, k1=k1, k2=k2, p1=p1, p2=p2, k3=k3),
-        st.floats(-0.3, 0.3),
+        st.floats(-0.15, 0.15),
         st.floats(-0.1, 0.1),
-        st.floats(-0.005, 0.005),
-        st.floats(-0.005, 0.005),
+        st.floats(-0.003, 0.003),
+        st.floats(-0.003, 0.003),
         st.floats(-0.05, 0.05),
     )
 
