@@ -8,10 +8,12 @@ uv=$(command -v uv || true)
 if [ -z "$uv" ]; then
     [ -x .venv-lock/bin/uv ] || {
         "$(scripts/find_python.sh)" -m venv .venv-lock
-        .venv-lock/bin/python -m pip install --quiet uv
+        .venv-lock/bin/python -m pip install -qq --disable-pip-version-check uv
     }
     uv=.venv-lock/bin/uv
 fi
+
+trap 'rm -f requirements.lock.part requirements-dev.lock.part' EXIT
 
 compile() { # OUTPUT [OPTION...]; setuptools builds the house itself, so it is pinned too
     output=$1
