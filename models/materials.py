@@ -120,9 +120,9 @@ MATERIALS: dict[str, Material] = {
             (0.380, 0.381, 0.386),
             (0.190, 0.191, 0.193),
             0.30,
-            "Clear anodised alloy: solar absorptance 0.35 to 0.44 by thickness (Gilmore 2002, "
-            "Spacecraft Thermal Control Handbook, appendix A), shape of the band from the "
-            "aluminium below (Rakic et al. 1998); levels are our estimate",
+            "Anodised alloy: solar absorptance 0.27 (clear) to 0.44 (chromic) by Henninger 1984, "
+            "NASA RP-1121; shape of the band from the aluminium below (Rakic et al. 1998), "
+            "levels are our estimate",
         ),
         _material(
             "solar_cell",
@@ -139,8 +139,9 @@ MATERIALS: dict[str, Material] = {
             (0.055, 0.054, 0.056),
             (0.015, 0.015, 0.015),
             0.30,
-            "Black, carbon-loaded Kapton on carbon face sheet: solar absorptance 0.93 (Gilmore "
-            "2002, appendix A); nearly grey in the band, our estimate",
+            "Black, carbon-loaded Kapton on a carbon face sheet: solar absorptance near 0.93 "
+            "(Gilmore 2002, Spacecraft Thermal Control Handbook, chapter 4); nearly grey in the "
+            "band, our estimate",
         ),
         _material(
             "solar_interconnect",
@@ -188,7 +189,7 @@ MATERIALS: dict[str, Material] = {
         _material(
             "titanium_nozzle",
             (0.120, 0.119, 0.121),
-            (0.200, 0.201, 0.199),
+            (0.200, 0.203, 0.198),
             0.25,
             "Fired nozzle metal: clean titanium reflects 0.622 at 800 and 0.618 at 850 nm "
             "(Johnson and Christy 1974, Phys. Rev. B 9, 5056), polished parts 0.40 over the "
@@ -197,7 +198,7 @@ MATERIALS: dict[str, Material] = {
         _material(
             "corner_cube_face",
             (0.010, 0.010, 0.010),
-            (0.034, 0.034, 0.034),
+            (0.0341, 0.0341, 0.0340),
             0.05,
             "Front face of a solid cube, fused silica, n = 1.4533 at 800 nm and 1.4525 at 850 nm "
             "(Malitson 1965, JOSA 55, 1205), so 0.034 unless coated; the diffuse part, dust and "

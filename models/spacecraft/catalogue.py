@@ -1,0 +1,27 @@
+"""The spacecraft there are, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from models.errors import ScenarioError
+from models.spacecraft.chaser import chaser
+from models.spacecraft.maxar1300 import maxar1300
+from models.spacecraft.part import Spacecraft
+
+SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {"maxar1300": maxar1300, "chaser": chaser}
+
+
+def spacecraft_by_name(name: str) -> Spacecraft:
+    """Return a spacecraft by name.
+
+    Raises
+    ------
+    ScenarioError
+        If none has that name; the message lists those there are.
+    """
+    if name not in SPACECRAFT:
+        raise ScenarioError(
+            f"expected a spacecraft among {', '.join(sorted(SPACECRAFT))}, got {name!r}"
+        )
+    return SPACECRAFT[name]()

@@ -1,0 +1,223 @@
+"""Multi-layer insulation: crinkled foil over a flat panel, quilted by seams, held flat at fittings.
+
+The outer foil is stiff and thin, so it does not wave: it breaks into flat facets of a decimetre
+that meet in sharp creases, and those into smaller ones; each facet turns the Sun's image its own
+way. Here a coarse random triangulation is the creased sheet, its edges sampled so that they stay
+sharp, and finer facets fill it; over all lies the soft pillow between seams.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from scipy.spatial import Delaunay, cKDTree
+
+from models.arrays import AnyArray, Floats
+from models.spacecraft.solids import joined, mesh_of
+
+TAPE_WIDTH_M = 0.03
+HOLD_M = 0.06  # the foil is free again this far from where it is held
+CREASE_FACETS = 4.5  # size of the large facets over that of the small ones
+FINE_SHARE = 0.16  # of the relief that the small facets have
+SLIVER_M2 = 1e-9  # triangles on the straight edges that are thinner than this are none
+
+Point = tuple[float, float]
+Circle = tuple[float, float, float]  # x, y, radius
+
+
+@dataclass(frozen=True)
+class Blanket:
+    """One panel of foil in its own frame: x and y along it, z away from the spacecraft.
+
+    Attributes
+    ----------
+    low, high : (float, float), m
+        Corners of its rectangle.
+    facet_m : float, m
+        Size of the smallest facets.
+    seed : int
+    seams : tuple of ((float, float), (float, float)), m
+        Taped lines along which the foil is held down.
+    hole : (float, float, float) or None, m
+        (x, y, radius) of a round cut-out.
+    is_round : bool
+        Whether the foil is the circle inside the rectangle, not the whole of it.
+    held_flat : tuple of (float, float, float), m
+        (x, y, radius) of places where a fitting clamps the foil.
+    relief_m : float, m
+        Height of the creases above the held-down foil.
+    pillow_m : float, m
+        Height of the bulge between seams.
+    """
+
+    low: Point
+    high: Point
+    facet_m: float
+    seed: int
+    seams: tuple[tuple[Point, Point], ...] = ()
+    hole: Circle | None = None
+    is_round: bool = False
+    held_flat: tuple[Circle, ...] = ()
+    relief_m: float = 0.016
+    pillow_m: float = 0.006
+
+    @property
+    def max_height_m(self) -> float:
+        """No point of the foil rises above this."""
+        return self.relief_m + self.pillow_m
+
+    def foil(self) -> trimesh.Trimesh:
+        """Return the foil: z from 0, where it is held, to ``max_height_m``; normals towards +z."""
+        edge = self._edge()
+        inner, relief = self._inner_points()
+        points = np.concatenate([inner, edge])
+        triangles = Delaunay(points).simplices
+        corners = points[triangles]
+        first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+        triangles[area < 0.0] = triangles[area < 0.0][:, ::-1]
+        keep = np.abs(area) > SLIVER_M2
+        if self.hole is not None:
+            middle = corners.mean(axis=1) - np.array(self.hole[:2])
+            keep &= np.linalg.norm(middle, axis=1) > self.hole[2]
+        height = np.concatenate([self._heights(inner, relief), np.zeros(len(edge))])
+        return mesh_of(np.column_stack([points, height]), triangles[keep])
+
+    def tape(self) -> trimesh.Trimesh:
+        """Return the strips that close the seams, a millimetre above the foil held by them."""
+        return joined(
+            _strip(np.array(start), np.array(end), self.facet_m, self._rng(10 + number))
+            for number, (start, end) in enumerate(self.seams)
+        )
+
+    @property
+    def _corners(self) -> tuple[Floats, Floats]:
+        return np.array(self.low), np.array(self.high)
+
+    def _rng(self, purpose: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, purpose])
+
+    def _edge(self) -> Floats:
+        """Return the points on the outline and on the hole's rim, (n, 2) m."""
+        low, high = self._corners
+        if self.is_round:
+            edge = _circle(0.5 * (low + high), 0.5 * float((high - low).min()), self.facet_m)
+        else:
+            edge = _rectangle(low, high, self.facet_m)
+        if self.hole is None:
+            return edge
+        rim = _circle(np.array(self.hole[:2]), self.hole[2], self.facet_m)
+        return np.concatenate([edge, rim])
+
+    def _inner_points(self) -> tuple[Floats, Floats]:
+        """Return the vertices inside the outline, along creases and between them, and relief."""
+        low, high = self._corners
+        spacing, rng = CREASE_FACETS * self.facet_m, self._rng(0)
+        knots = _scattered(low - 2.0 * spacing, high + 2.0 * spacing, spacing, rng)
+        level = rng.random(len(knots))
+        sheet = Delaunay(knots)
+        creases, crease_level = _along_creases(sheet, level, 0.75 * self.facet_m)
+        scattered = _scattered(low, high, self.facet_m, self._rng(1))
+        apart, _ = cKDTree(creases).query(scattered)
+        scattered = scattered[apart > 0.55 * self.facet_m]
+        points = np.concatenate([creases, scattered])
+        relief = np.concatenate([crease_level, _on_facets(sheet, level, scattered)])
+        margin = 0.5 * self.facet_m
+        inside = (np.minimum(points - low, high - points) > margin).all(axis=1)
+        if self.is_round:
+            radius = 0.5 * float((high - low).min())
+            inside &= np.linalg.norm(points - 0.5 * (low + high), axis=1) < radius - margin
+        if self.hole is not None:
+            centre = np.array(self.hole[:2])
+            inside &= np.linalg.norm(points - centre, axis=1) > self.hole[2] + margin
+        return points[inside], relief[inside]
+
+    def _heights(self, points: Floats, relief: Floats) -> Floats:
+        """Return the foil's height, (n,) m, from the large facets' relief, 0 to 1."""
+        loose = self._looseness(points)
+        fine = self._rng(2).random(len(points))
+        creased = (1.0 - FINE_SHARE) * relief + FINE_SHARE * fine
+        return np.asarray(loose * self.relief_m * creased + loose**2 * self.pillow_m)
+
+    def _looseness(self, points: Floats) -> Floats:
+        """Return 0 where the foil is held down, 1 where it is free, (n,)."""
+        low, high = self._corners
+        free_m = np.minimum(points - low, high - points).min(axis=1)
+        if self.is_round:
+            from_centre = np.linalg.norm(points - 0.5 * (low + high), axis=1)
+            free_m = 0.5 * float((high - low).min()) - from_centre
+        for start, end in self.seams:
+            gap = _segment_distance(points, np.array(start), np.array(end))
+            free_m = np.minimum(free_m, gap - 0.5 * TAPE_WIDTH_M)
+        holds = self.held_flat if self.hole is None else (*self.held_flat, self.hole)
+        for x, y, radius in holds:
+            free_m = np.minimum(free_m, np.linalg.norm(points - np.array([x, y]), axis=1) - radius)
+        return np.asarray(np.clip(free_m / HOLD_M, 0.0, 1.0))
+
+
+def _scattered(low: Floats, high: Floats, spacing_m: float, rng: np.random.Generator) -> Floats:
+    """Return one random point in each cell of a grid over the rectangle, (n, 2) m."""
+    counts = np.maximum(np.round((high - low) / spacing_m).astype(int), 1)
+    grid = np.stack(np.meshgrid(*[np.arange(n) for n in counts], indexing="ij"), axis=-1)
+    cells = grid.reshape(-1, 2)
+    return np.asarray(low + (cells + rng.uniform(0.1, 0.9, cells.shape)) * (high - low) / counts)
+
+
+def _on_facets(sheet: Delaunay, level: Floats, points: Floats) -> Floats:
+    """Return the levels of points inside the facets of a triangulation, (n,), linear on each."""
+    facet = sheet.find_simplex(points)
+    barycentric = sheet.transform[facet]
+    first_two = np.einsum("nij,nj->ni", barycentric[:, :2], points - barycentric[:, 2])
+    weights = np.column_stack([first_two, 1.0 - first_two.sum(axis=1)])
+    return np.asarray((weights * level[sheet.simplices[facet]]).sum(axis=1))
+
+
+def _along_creases(sheet: Delaunay, level: Floats, pitch_m: float) -> tuple[Floats, Floats]:
+    """Return points along the edges of a triangulation, (n, 2) m, knots too, and their levels."""
+    knots = np.column_stack([sheet.points, level])
+    sides = np.sort(sheet.simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    pieces = [knots]
+    for a, b in knots[np.unique(sides, axis=0)]:
+        count = max(1, round(float(np.linalg.norm((b - a)[:2])) / pitch_m))
+        share = np.arange(1, count)[:, None] / count
+        pieces.append(a + share * (b - a))
+    points = np.concatenate(pieces)
+    return points[:, :2], points[:, 2]
+
+
+def _rectangle(low: Floats, high: Floats, pitch_m: float) -> Floats:
+    counts = np.maximum(np.round((high - low) / pitch_m).astype(int), 1)
+    x = np.linspace(low[0], high[0], counts[0] + 1)
+    y = np.linspace(low[1], high[1], counts[1] + 1)[1:-1]
+    sides: list[AnyArray] = [np.column_stack([x, np.full_like(x, v)]) for v in (low[1], high[1])]
+    sides += [np.column_stack([np.full_like(y, v), y]) for v in (low[0], high[0])]
+    return np.concatenate(sides)
+
+
+def _circle(centre: Floats, radius_m: float, pitch_m: float) -> Floats:
+    count = round(2.0 * np.pi * radius_m / pitch_m)
+    angles = 2.0 * np.pi * np.arange(count) / count
+    return np.asarray(centre + radius_m * np.stack([np.cos(angles), np.sin(angles)], axis=-1))
+
+
+def _segment_distance(points: Floats, a: Floats, b: Floats) -> Floats:
+    share = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points - a - share[:, None] * (b - a), axis=1))
+
+
+def _strip(a: Floats, b: Floats, pitch_m: float, rng: np.random.Generator) -> trimesh.Trimesh:
+    """Return a strip of tape from a to b, its edges a little uneven."""
+    length = float(np.linalg.norm(b - a))
+    along = (b - a) / length
+    side = 0.5 * TAPE_WIDTH_M * np.array([-along[1], along[0]])
+    count = max(2, round(length / pitch_m))
+    middle = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
+    rise = 0.001 + 0.0015 * rng.random((2, count + 1))
+    left = np.column_stack([middle + side, rise[0]])
+    right = np.column_stack([middle - side, rise[1]])
+    i = np.arange(count)
+    n = count + 1
+    faces = [np.stack([i, i + n, i + n + 1], axis=-1), np.stack([i, i + n + 1, i + 1], axis=-1)]
+    return mesh_of(np.concatenate([left, right]), np.concatenate(faces))
