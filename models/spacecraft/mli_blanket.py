@@ -214,7 +214,7 @@ def _strip(a: Floats, b: Floats, pitch_m: float, rng: np.random.Generator) -> tr
     side = 0.5 * TAPE_WIDTH_M * np.array([-along[1], along[0]])
     count = max(2, round(length / pitch_m))
     middle = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
-    rise = 0.001 + 0.0015 * rng.random((2, count + 1))
+    rise = 0.001 + 0.001 * rng.random(count + 1) + 0.0002 * rng.random((2, count + 1))
     left = np.column_stack([middle + side, rise[0]])
     right = np.column_stack([middle - side, rise[1]])
     i = np.arange(count)

@@ -24,7 +24,7 @@ def small_blanket(seed: int = 3) -> Blanket:
     )
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**31))
 def test_foil_lies_between_the_panel_and_its_greatest_height(seed: int) -> None:
     blanket = small_blanket(seed)
@@ -33,7 +33,7 @@ def test_foil_lies_between_the_panel_and_its_greatest_height(seed: int) -> None:
     assert height.max() <= blanket.max_height_m
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**31))
 def test_foil_covers_its_rectangle_but_for_the_hole(seed: int) -> None:
     blanket = small_blanket(seed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.spacecraft import solids
@@ -25,6 +25,7 @@ def welded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return copy
 
 
+@settings(deadline=None, max_examples=40)
 @given(bottom=LENGTH, top=LENGTH, height=LENGTH, sides=st.integers(3, 40))
 def test_frustum_has_the_volume_of_the_closed_form(
     bottom: float, top: float, height: float, sides: int
@@ -94,6 +95,7 @@ def test_tiles_face_up_and_have_their_size() -> None:
     assert mesh.area == pytest.approx(2 * 0.08, rel=EXACT)
 
 
+@settings(deadline=None, max_examples=40)
 @given(axis=st.tuples(LENGTH, st.floats(-5, 5), st.floats(-5, 5)))
 def test_standing_points_z_along_the_axis(axis: tuple[float, float, float]) -> None:
     at = solids.standing((1.0, 2.0, 3.0), axis)
