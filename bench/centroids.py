@@ -1,8 +1,9 @@
 """Centroid errors: their bias and noise, over a run, along the range, and from run to run.
 
-An error is a true detection (``bench.detections``) minus the projected centre of its marker with
-the true pose and camera. A pipeline that corrects for the perspective of a circle reports the
-corrected point, so one truth serves all.
+An error is a true detection (``bench.detections``) that the solver kept, minus the projected centre
+of its marker with the true pose and camera; what a pipeline itself rejects it does not measure. A
+pipeline that corrects for the perspective of a circle reports the corrected point, so one truth
+serves all.
 
 The noise at a range is measured, not assumed: the standard deviation of the errors of all
 markers, runs and frames whose range is within 10 % of it, about the mean of those errors, which is

@@ -171,13 +171,13 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
 
 
 def centroid_errors(judged: Iterable[JudgedFrame]) -> CentroidErrors:
-    """Gather the errors of all true detections."""
+    """Gather the errors of all true detections that the solver kept."""
     errors, columns = [np.empty((0, 2))], [np.empty((0, 4))]
     for each in judged:
-        true = each.detections.true
+        kept = each.detections.true & each.detections.used
         where = [each.frame.range_m, each.frame.entry.index, each.run]
-        errors.append(each.detections.error_px[true])
-        columns.append(np.array([[*where, marker] for marker in each.detections.marker[true]]))
+        errors.append(each.detections.error_px[kept])
+        columns.append(np.array([[*where, marker] for marker in each.detections.marker[kept]]))
     table = np.concatenate([column.reshape(-1, 4) for column in columns])
     return CentroidErrors(
         error_px=np.concatenate(errors),

@@ -3,12 +3,15 @@
 ::
 
     DIR/estimates/best.jsonl, best.runtime.csv          run 0
-        seeds/001/prior.toml                            run 1: the prior it was given
+        seeds/001/prior.toml, camera.toml               run 1: what it was given
         seeds/001/estimates/best.jsonl, ...
+        seeds/001/run.json                              written last: whose frames it saw
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,6 +54,29 @@ def runtimes_path(folder: Path, number: int, variant: str) -> Path:
     return run_folder(folder, number) / "estimates" / f"{variant}.runtime.csv"
 
 
+def stamp_path(folder: Path, number: int) -> Path:
+    """Return the file that says of which dataset, and with which settings, a run was made."""
+    return run_folder(folder, number) / "run.json"
+
+
+def dataset_fingerprint(folder: Path) -> str:
+    """Return a hash of what makes the frames of a dataset: its scenario, Sun, times, target."""
+    digest = hashlib.sha256()
+    for name in ("dataset.json", "frames.csv", "detector.toml", "markers.toml"):
+        path = folder / name
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()
+
+
+def read_stamp(folder: Path, number: int) -> dict[str, str]:
+    """Return a run's stamp; empty if it has none or it cannot be read."""
+    try:
+        stamp = json.loads(stamp_path(folder, number).read_text())
+    except (OSError, ValueError):
+        return {}
+    return dict(stamp) if isinstance(stamp, dict) else {}
+
+
 def found_variants(folder: Path) -> tuple[str, ...]:
     """Return the variants that have estimates of run 0.
 
@@ -81,9 +107,17 @@ def read_run(folder: Path, number: int, variant: str, entries: list[FrameEntry])
     Raises
     ------
     DatasetError
-        If the estimates are not one for every frame.
+        If the estimates are not one for every frame, or the run was made on other frames.
     """
     path = estimates_path(folder, number, variant)
+    mend = (
+        f"run `rvbench estimate {folder}` again"
+        if number == 0
+        else f"delete {run_folder(folder, number)}, or run again with --seeds"
+    )
+    stamp = read_stamp(folder, number)
+    if stamp.get("dataset", dataset_fingerprint(folder)) != dataset_fingerprint(folder):
+        raise DatasetError(f"{path}: expected estimates of this dataset, got another's; {mend}")
     estimates = {estimate.frame: estimate for estimate in read_estimates(path)}
     wanted = {entry.index for entry in entries}
     if set(estimates) != wanted:
@@ -92,6 +126,6 @@ def read_run(folder: Path, number: int, variant: str, entries: list[FrameEntry])
             f"{path}: expected one estimate for each of the {len(wanted)} frames; "
             f"{len(missing)} missing{f' (first: {missing[0]})' if missing else ''}, "
             f"{len(extra)} of no frame{f' (first: {extra[0]})' if extra else ''}; "
-            "the frames have changed since: run the estimate again"
+            f"the frames have changed since: {mend}"
         )
     return Run(number, estimates, read_runtimes(runtimes_path(folder, number, variant)))

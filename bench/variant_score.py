@@ -162,11 +162,12 @@ def _frame_score(judged: JudgedFrame, bound: Floats | None, names: tuple[str, ..
     error, pose, found = judged.error, judged.pose, judged.detections
     stated = None if pose is None else np.sqrt(np.maximum(np.diag(pose.covariance), 0.0))
     smallest = None if bound is None else np.sqrt(np.diag(bound))
-    true_px = found.error_px[found.true]
+    kept = found.true & found.used
+    kept_px = found.error_px[kept]
     by_name = {
         names[marker]: [float(x) for x in error_px]
         for marker, error_px in sorted(
-            zip(found.marker[found.true].tolist(), true_px, strict=True), key=lambda item: item[0]
+            zip(found.marker[kept].tolist(), kept_px, strict=True), key=lambda item: item[0]
         )
     }
     return FrameScore(
@@ -188,8 +189,8 @@ def _frame_score(judged: JudgedFrame, bound: Floats | None, names: tuple[str, ..
         expected=int(judged.frame.markers.expected.sum()),
         matched=len(found.found),
         used=len(found.solved_with),
-        centroid_mean_px=true_px.mean(axis=0).tolist() if len(true_px) else None,
-        centroid_std_px=true_px.std(axis=0, ddof=1).tolist() if len(true_px) > 1 else None,
+        centroid_mean_px=kept_px.mean(axis=0).tolist() if len(kept_px) else None,
+        centroid_std_px=kept_px.std(axis=0, ddof=1).tolist() if len(kept_px) > 1 else None,
         centroid_error_px=by_name,
     )
 

@@ -1,0 +1,105 @@
+"""The bench from Python: five functions, which the command line only wraps.
+
+>>> from pathlib import Path
+>>> from bench import api
+>>> score = api.run("maxar-demo", Path("out/demo"), sun="S4")  # doctest: +SKIP
+>>> score["pipelines"]["best"]["position_error_mm"]["median"]  # doctest: +SKIP
+
+Each loads what it needs when it is called: ``estimate`` knows no renderer and no truth, ``score``
+and ``report`` load no Mitsuba.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal, TypedDict, Unpack
+
+
+class RenderOptions(TypedDict, total=False):
+    """What can be asked of a rendering; see ``renders.scenario.RenderRequest``."""
+
+    sun: str | None
+    rate_hz: float | None
+    start_s: float | None
+    end_s: float | None
+    width: int | None
+    spp: int | None
+    variant: Literal["auto", "llvm", "cuda", "scalar"]
+    store: Path | None
+    threads: int | None
+
+
+def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) -> None:
+    """Render a case into a dataset: what is there already is kept.
+
+    Parameters
+    ----------
+    case : str
+        Name of a case, or path of a scenario file.
+    out : Path
+        Folder of the dataset.
+    seeds : int
+        Runs that are meant over this light; see ``run``.
+    **options
+        Sun, rate, span, size, samples, variant, store, threads.
+
+    Raises
+    ------
+    RvbenchError
+        Each says what to do; nothing already rendered is lost.
+    """
+    from renders.batch import render_case
+    from renders.scenario import RenderRequest
+
+    render_case(RenderRequest(case=case, out=out, seeds=seeds, **options))
+
+
+def estimate(folder: Path) -> list[Path]:
+    """Run both pipeline variants on a dataset's public half; see ``bench.estimation``."""
+    from bench.estimation import estimate_dataset
+
+    return estimate_dataset(folder)
+
+
+def score(folder: Path) -> dict[str, Any]:
+    """Score the estimates of a dataset into ``score.json``; see ``bench.score``."""
+    from bench.score import score_dataset
+
+    return score_dataset(folder)
+
+
+def report(folder: Path) -> Path:
+    """Write ``report.html`` of a scored dataset; see ``bench.report``."""
+    from bench.report.page import write_report
+
+    return write_report(folder)
+
+
+def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) -> dict[str, Any]:
+    """Render what is missing, estimate, score and report.
+
+    Parameters
+    ----------
+    case : str
+        Name of a case, or path of a scenario file.
+    out : Path
+        Folder of the dataset.
+    seeds : int
+        Runs over the same light, each with its own detector noise and prior.
+    **options
+        As for ``render``.
+
+    Returns
+    -------
+    dict
+        The score.
+    """
+    render(case, out, seeds=seeds, **options)
+    estimate(out)
+    if seeds > 1:
+        from bench.repeated_runs import repeat_runs
+
+        repeat_runs(out, seeds)
+    scored = score(out)
+    report(out)
+    return scored

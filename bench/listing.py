@@ -1,0 +1,71 @@
+"""What there is to choose from: cases, cameras, targets, Suns, one line each."""
+
+from __future__ import annotations
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from models.camera import CAMERAS, Camera
+from models.lights.sun import SUN_CASES_DEG, direction_from_azimuth
+from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
+from renders.scenario import case_names, case_path, read_scenario
+
+
+def print_listing(console: Console) -> None:
+    """Print the four lists as tables."""
+    for title, rows in (
+        ("cases", cases()),
+        ("cameras", cameras()),
+        ("targets", targets()),
+        ("Suns", suns()),
+    ):
+        table = Table(title=title, box=box.SIMPLE, show_header=False, title_justify="left")
+        table.add_column(style="bold", no_wrap=True)
+        table.add_column()
+        for name, line in rows:
+            table.add_row(name, line)
+        console.print(table)
+
+
+def cases() -> list[tuple[str, str]]:
+    """Return the cases and what they are."""
+    described = ((name, read_scenario(case_path(name)).description) for name in case_names())
+    return [(name, " ".join(text.split())) for name, text in described]
+
+
+def cameras() -> list[tuple[str, str]]:
+    """Return the camera presets and their optics."""
+    return [(name, _camera_line(camera)) for name, camera in CAMERAS.items()]
+
+
+def targets() -> list[tuple[str, str]]:
+    """Return the targets that carry markers."""
+    crafts = ((name, spacecraft_by_name(name)) for name in SPACECRAFT)
+    return [
+        (name, f"{len(craft.markers)} markers of radius {1e3 * craft.markers.radius_m:.1f} mm, "
+               f"{len(craft.part_names)} named parts")
+        for name, craft in crafts
+        if craft.markers is not None
+    ]  # fmt: skip
+
+
+def suns() -> list[tuple[str, str]]:
+    """Return the named Suns: where they stand, and the vector that says the same."""
+    rows = []
+    for name, (azimuth_deg, elevation_deg) in SUN_CASES_DEG.items():
+        x, y, z = np.round(direction_from_azimuth(azimuth_deg, elevation_deg), 3) + 0.0
+        rows.append(
+            (name, f"azimuth {azimuth_deg:g} deg, elevation {elevation_deg:g} deg: "
+                   f"towards {x:.3f},{y:.3f},{z:.3f} in the target frame")
+        )  # fmt: skip
+    return rows
+
+
+def _camera_line(camera: Camera) -> str:
+    fov_deg = np.rad2deg(2.0 * np.arctan(0.5 * camera.width / camera.fx))
+    return (
+        f"{camera.width} x {camera.height} px, field of view {fov_deg:.0f} deg, "
+        f"focal length {camera.fx:.2f} px"
+    )

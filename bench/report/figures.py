@@ -1,0 +1,215 @@
+"""Figures of a score, as SVG: pose error, centroid error and number of markers against time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from models.arrays import Floats
+
+COLOURS = {"best": "#1763a6", "paper": "#d1781d"}
+OTHER = "#5b7083"
+INK, FAINT = "#22303c", "#c9d1d8"
+STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.edgecolor": "#8a97a3",
+    "axes.labelcolor": INK,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6eaee",
+    "grid.linewidth": 0.7,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "text.color": INK,
+    "legend.frameon": False,
+    "svg.hashsalt": "rvbench",
+}
+FEW = 80  # up to so many frames each is a dot of its own
+ROBUST_PERCENT = 97.0
+Score = dict[str, Any]
+
+
+def pose_error_figure(score: Score) -> str:
+    """Draw the error of position and attitude along the camera's axes, with 3-sigma bounds."""
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots(2, 3, sharex=True)
+        rows = (
+            ("position_mm", "sigma_position_mm", "bound_position_mm", "mm", "position"),
+            ("rotation_vector_deg", "sigma_rotation_deg", "bound_rotation_deg", "deg", "attitude"),
+        )
+        for row, (key, sigma, bound, unit, what) in zip(axes, rows, strict=True):
+            for axis, panel in enumerate(row):
+                _error_panel(panel, score, (key, sigma, bound), axis)
+                about = "along" if what == "position" else "about"
+                panel.set_title(f"{what} {about} {'xyz'[axis]}")
+                panel.set_ylabel(unit)
+        for panel in axes[-1]:
+            panel.set_xlabel("time, s")
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+
+    return _svg(draw, (11.0, 5.6))
+
+
+def centroid_figure(score: Score, published_std_px: Sequence[float] | None) -> str:
+    """Draw each marker's centroid error against time, a row for each variant."""
+
+    def draw(figure: Figure) -> None:
+        variants = _ordered(score)
+        axes = figure.subplots(len(variants), 2, sharex=True, squeeze=False)
+        names = _marker_names(score)
+        palette = mpl.colormaps["tab10"]
+        for row, variant in zip(axes, variants, strict=True):
+            frames = score["pipelines"][variant]["per_frame"]
+            for axis, panel in enumerate(row):
+                for place, name in enumerate(names):
+                    errors = [f["centroid_error_px"].get(name) for f in frames]
+                    error_px = [np.nan if e is None else e[axis] for e in errors]
+                    time_s = _column(frames, "time_s")
+                    sign = "o-" if len(frames) <= FEW else "-"
+                    colour = palette(place % 10)
+                    panel.plot(
+                        time_s, error_px, sign, color=colour, ms=2.6, lw=0.8, label=f"#{name}"
+                    )
+                panel.set_title(f"{variant}: {'uv'[axis]}")
+                panel.set_ylabel("px")
+                if published_std_px is not None:
+                    for side in (-1.0, 1.0):
+                        panel.axhline(side * published_std_px[axis], color=OTHER, ls=":", lw=1.1)
+                sizes = [abs(error_px[axis]) for f in frames for error_px in _errors_px(f)]
+                _limit(panel, float(np.percentile(sizes, ROBUST_PERCENT)) if sizes else 0.0)
+        for panel in axes[-1]:
+            panel.set_xlabel("time, s")
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+
+    return _svg(draw, (11.0, 2.6 * len(score["pipelines"]) + 0.5))
+
+
+def markers_figure(score: Score) -> str:
+    """Draw how many markers were whole, and how many each variant solved with."""
+
+    def draw(figure: Figure) -> None:
+        panel = figure.subplots()
+        variants = _ordered(score)
+        frames = score["pipelines"][variants[0]]["per_frame"]
+        time_s = [f["time_s"] for f in frames]
+        whole = [f["whole"] for f in frames]
+        panel.fill_between(time_s, whole, step="mid", color="#e3e9ee", label="lit and in view")
+        for variant in variants:
+            frames = score["pipelines"][variant]["per_frame"]
+            panel.step(
+                [f["time_s"] for f in frames], [f["used"] for f in frames], where="mid",
+                color=COLOURS.get(variant, OTHER), lw=1.5, label=f"used by {variant}",
+                ls="-" if variant == "best" else "--",
+            )  # fmt: skip
+        panel.axhline(4, color=OTHER, lw=0.9, ls=":", label="four, the least that can be checked")
+        panel.set_ylim(0, max([*whole, 4]) + 1)
+        panel.set_xlabel("time, s")
+        panel.set_ylabel("markers")
+        figure.legend(loc="outside lower center", ncols=4)
+
+    return _svg(draw, (11.0, 2.6))
+
+
+def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: int) -> None:
+    error_key, sigma_key, bound_key = keys
+    reach = 0.0
+    for variant in _ordered(score):
+        frames = score["pipelines"][variant]["per_frame"]
+        time_s, error = _column(frames, "time_s"), _column(frames, error_key, axis)
+        colour = COLOURS.get(variant, OTHER)
+        sizes = np.abs(error[np.isfinite(error)])
+        if variant == "best" or len(score["pipelines"]) == 1:
+            stated = 3.0 * _column(frames, sigma_key, axis)
+            bound = 3.0 * _column(frames, bound_key, axis)
+            panel.fill_between(
+                time_s, -stated, stated, color=colour, alpha=0.14, lw=0,
+                label=f"3 sigma stated by {variant}",
+            )  # fmt: skip
+            panel.plot(time_s, bound, "--", color=INK, lw=0.9, label="3 sigma of the bound")
+            panel.plot(time_s, -bound, "--", color=INK, lw=0.9)
+            sizes = np.concatenate([sizes, bound[np.isfinite(bound)]])
+        if len(sizes):
+            reach = max(reach, float(np.percentile(sizes, ROBUST_PERCENT)))
+        many = len(frames) > FEW
+        panel.plot(
+            time_s, error, "-" if many else "o-", color=colour, ms=3.2, lw=0.8 if many else 1.1,
+            label=f"error, {variant}",
+        )  # fmt: skip
+    panel.axhline(0.0, color="#8a97a3", lw=0.7)
+    _limit(panel, reach)
+    for variant in _ordered(score):
+        _mark_beyond(panel, score["pipelines"][variant]["per_frame"], variant, (error_key, axis))
+
+
+def _mark_beyond(
+    panel: Axes, frames: list[dict[str, Any]], variant: str, key: tuple[str, int]
+) -> None:
+    """Put a triangle at the edge for what lies beyond the panel, and a cross for no pose."""
+    time_s, error = _column(frames, "time_s"), _column(frames, *key)
+    edge = panel.get_ylim()[1]
+    colour = COLOURS.get(variant, OTHER)
+    marks = (
+        (error > edge, 0.96 * edge, "^"),
+        (error < -edge, -0.96 * edge, "v"),
+        (np.isnan(error), -0.9 * edge, "x"),
+    )
+    for there, height, sign in marks:
+        at = np.full(int(there.sum()), height)
+        panel.plot(time_s[there], at, sign, color=colour, ms=4.5, ls="none")
+
+
+def _limit(panel: Axes, reach: float) -> None:
+    """Centre the panel on zero, as wide as nearly everything in it needs."""
+    if reach > 0.0:
+        panel.set_ylim(-1.35 * reach, 1.35 * reach)
+
+
+def _column(frames: list[dict[str, Any]], key: str, axis: int | None = None) -> Floats:
+    """Return one number of every frame; NaN where there is none."""
+    values = [frame[key] for frame in frames]
+    if axis is not None:
+        values = [None if value is None else value[axis] for value in values]
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def _errors_px(frame: dict[str, Any]) -> list[Floats]:
+    return list(frame["centroid_error_px"].values())
+
+
+def _marker_names(score: Score) -> list[str]:
+    names = {
+        name
+        for variant in score["pipelines"].values()
+        for frame in variant["per_frame"]
+        for name in frame["centroid_error_px"]
+    }
+    return sorted(names, key=lambda name: (len(name), name))
+
+
+def _ordered(score: Score) -> list[str]:
+    """Return the variants with ``best`` last, so that it is drawn on top."""
+    return sorted(score["pipelines"], key=lambda variant: (variant == "best", variant))
+
+
+def _svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05))
+        draw(figure)
+        stream = io.StringIO()
+        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return stream.getvalue()

@@ -1,0 +1,71 @@
+"""A dozen frames of a dataset, small, with their marks, as JPEGs that a page can hold."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.frame_records import FrameRecord, FrameRecords
+from bench.overlay import overlay
+
+MOST_FRAMES = 12
+FRAME_WIDTH_PX = 760
+HERO_WIDTH_PX = 1200
+QUALITY = 82
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One frame of the page.
+
+    Attributes
+    ----------
+    source : str
+        A ``data:`` address.
+    title, verdict : str
+    lost : bool
+    """
+
+    source: str
+    title: str
+    verdict: str
+    lost: bool
+
+
+def filmstrip(records: FrameRecords, missed: list[int]) -> list[Picture]:
+    """Choose frames evenly in time, the first lost ones among them, and draw them."""
+    return [picture(records.record(index)) for index in chosen(list(records.entries), missed)]
+
+
+def chosen(indices: list[int], wanted: list[int]) -> list[int]:
+    """Return at most twelve frames: up to four of those wanted, the others evenly spread."""
+    asked = [index for index in wanted if index in set(indices)][: MOST_FRAMES // 3]
+    room = min(MOST_FRAMES, len(indices)) - len(asked)
+    others = [index for index in indices if index not in asked]
+    spread = np.linspace(0, len(others) - 1, room).round().astype(int).tolist()
+    return sorted([*asked, *(others[place] for place in dict.fromkeys(spread))])
+
+
+def picture(record: FrameRecord, width_px: int = FRAME_WIDTH_PX) -> Picture:
+    """Draw one frame."""
+    words = [f"frame {record.frame.index}", f"{record.frame.time_s:.1f} s"]
+    if record.truth is not None:
+        words.append(f"{np.linalg.norm(record.truth.cam_from_target.translation):.2f} m")
+    return Picture(
+        source=jpeg(overlay(record, min(width_px, record.frame.image_850.shape[1]))),
+        title=" · ".join(words),
+        verdict=record.verdict,
+        lost=not record.estimate,
+    )
+
+
+def jpeg(image: NDArray[np.uint8]) -> str:
+    """Return an RGB image as a ``data:`` address."""
+    ok, data = cv2.imencode(".jpg", image[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    if not ok:
+        raise ValueError(f"expected OpenCV to encode an image of shape {image.shape}, it refused")
+    return "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode()

@@ -1,0 +1,46 @@
+"""Numbers as text: three significant digits, a true minus sign, a dash for none."""
+
+from __future__ import annotations
+
+import math
+
+NONE = "–"
+MINUS = "\N{MINUS SIGN}"
+SMALLEST = 1e-5
+
+
+def number(value: float | None, digits: int = 3, signed: bool = False) -> str:
+    """Write a number with so many significant digits, never in exponents.
+
+    Parameters
+    ----------
+    value : float or None
+    digits : int
+        Significant digits; a number of thousands keeps all before the point.
+    signed : bool
+        Whether a positive number gets its sign too.
+    """
+    if value is None:
+        return NONE
+    if abs(value) < SMALLEST:
+        return "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    text = f"{value:+.{decimals}f}" if signed else f"{value:.{decimals}f}"
+    return text.replace("-", MINUS)
+
+
+def count(value: int) -> str:
+    """Write a whole number."""
+    return f"{value:d}"
+
+
+def numbers(values: list[float] | None, digits: int = 3, signed: bool = False) -> list[str]:
+    """Write three numbers, or three dashes."""
+    if values is None:
+        return [NONE] * 3
+    return [number(value, digits, signed) for value in values]
+
+
+def share(value: float | None) -> str:
+    """Write a share of one in percent."""
+    return NONE if value is None else f"{number(100.0 * value, 4)} %"

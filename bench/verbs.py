@@ -1,0 +1,283 @@
+"""The verbs of the command line: each a dataclass whose fields are its options.
+
+A verb's ``run`` does the work, prints what it wrote to stdout, and returns the exit code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from rich.console import Console
+from tyro.conf import Positional, arg
+
+from bench import api
+from models.errors import ScenarioError
+
+DONE, WORSE = 0, 1
+
+Case = Annotated[str, arg(metavar="CASE")]
+Folder = Annotated[Path, arg(metavar="DIR")]
+File = Annotated[Path, arg(metavar="FILE")]
+OptionalFile = Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="")]
+OptionalFolder = Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="")]
+OptionalNumber = Annotated[float | None, arg(metavar="NUMBER", help_behavior_hint="")]
+OptionalCount = Annotated[int | None, arg(metavar="N", help_behavior_hint="")]
+
+
+@dataclass(frozen=True)
+class Render:
+    """Render a case into a dataset.
+
+        rvbench render maxar-approach --sun S4 --rate-hz 0.1 --out out/s4
+
+    Stop it anywhere: what is there is kept, and the same command goes on from there.
+    """
+
+    case: Positional[Case]
+    """name of a case (see `rvbench list`), or a scenario file"""
+    out: Folder
+    """folder of the dataset"""
+    sun: Annotated[str | None, arg(metavar="S1..S7|x,y,z", help_behavior_hint="")] = None
+    """where the Sun stands: a name, or a vector towards it in the target frame"""
+    rate_hz: OptionalNumber = None
+    """image pairs a second"""
+    span_s: Annotated[tuple[float, float] | None, arg(metavar="FROM TO", help_behavior_hint="")] = (
+        None
+    )
+    """part of the approach, in s"""
+    width: OptionalCount = None
+    """columns of the image; the field of view stays"""
+    spp: OptionalCount = None
+    """samples per pixel, a square number"""
+    variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
+    """how Mitsuba computes; auto takes the fastest that renders here"""
+    store: OptionalFolder = None
+    """where rendered light is kept, to be shared by the Suns of a case"""
+    threads: OptionalCount = None
+    """cores to use; all unless given"""
+
+    def run(self) -> int:
+        """Render."""
+        api.render(self.case, self.out, **self.options())
+        print(f"frames: {self.out / 'frames'}")
+        return DONE
+
+    def options(self) -> api.RenderOptions:
+        """Return what was asked of the rendering."""
+        start_s, end_s = self.span_s if self.span_s is not None else (None, None)
+        return {
+            "sun": self.sun,
+            "rate_hz": self.rate_hz,
+            "start_s": start_s,
+            "end_s": end_s,
+            "width": self.width,
+            "spp": self.spp,
+            "variant": self.variant,
+            "store": self.store,
+            "threads": self.threads,
+        }
+
+
+@dataclass(frozen=True)
+class Run(Render):
+    """Render what is missing, estimate, score and report.
+
+        rvbench run maxar-demo --out out/demo
+        rvbench run maxar-approach --sun S2 --rate-hz 0.1 --seeds 10 --out out/s2
+        rvbench run maxar-approach --sun 0.2,-0.5,1 --span-s 200 330 --out out/mine
+
+    Stop it anywhere: what is there is kept, and the same command goes on from there.
+    """
+
+    seeds: Annotated[int, arg(metavar="N")] = 1
+    """runs over the same light, each with its own detector noise and prior"""
+
+    def run(self) -> int:
+        """Do the whole job."""
+        if self.seeds < 1:
+            raise ScenarioError(f"expected --seeds of at least 1, got {self.seeds}")
+        scored = api.run(self.case, self.out, seeds=self.seeds, **self.options())
+        _print_summary(scored)
+        print(f"score:  {self.out / 'score.json'}")
+        print(f"report: {(self.out / 'report.html').resolve()}")
+        return DONE
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Run both pipeline variants on a dataset, or on anybody's image pairs.
+
+        rvbench estimate out/demo
+        rvbench estimate --frames pairs --camera camera.toml --target maxar1300
+
+    Image pairs are NAME_800.png and NAME_850.png, grey, 8 or 16 bits, taken in order of name.
+    """
+
+    folder: Positional[OptionalFolder] = None
+    """a dataset; only its public half is read"""
+    frames: OptionalFolder = None
+    """a folder of image pairs, instead of a dataset"""
+    camera: OptionalFile = None
+    """the camera of those pairs: width, height, fx, fy, cx, cy and distortion, in px"""
+    target: Annotated[str, arg(metavar="NAME|FILE")] = "maxar1300"
+    """whose markers they show: a target's name, or a markers.toml"""
+    prior: OptionalFile = None
+    """the first pose; else prior.toml in or beside the folder of the pairs"""
+    detector: OptionalFile = None
+    """the detector; else guessed from the bits of the images"""
+    rate_hz: Annotated[float, arg(metavar="NUMBER")] = 5.0
+    """pairs a second, where the folder has no frames.csv"""
+    out: OptionalFolder = None
+    """where the estimates of image pairs go; else with the pairs"""
+
+    def run(self) -> int:
+        """Estimate."""
+        if (self.folder is None) == (self.frames is None):
+            raise ScenarioError(
+                "expected either a dataset, `rvbench estimate DIR`, or image pairs, "
+                "`rvbench estimate --frames DIR --camera FILE`; "
+                f"got {'neither' if self.folder is None else 'both'}"
+            )
+        paths = self._pairs() if self.folder is None else api.estimate(self.folder)
+        for path in paths:
+            print(f"estimates: {path}")
+        return DONE
+
+    def _pairs(self) -> list[Path]:
+        from bench.foreign_frames import estimate_pairs
+        from models.camera import Camera
+
+        assert self.frames is not None
+        if self.camera is None:
+            raise ScenarioError(
+                "expected --camera FILE with --frames: a TOML file with width, height, fx, fy, cx "
+                "and cy in px (pixel centres are integers), and k1, k2, p1, p2, k3 if it distorts"
+            )
+        return estimate_pairs(
+            self.frames,
+            Camera.from_toml(self.camera),
+            target=self.target,
+            prior=self.prior,
+            detector=self.detector,
+            rate_hz=self.rate_hz,
+            out=self.out or self.frames,
+        )
+
+
+@dataclass(frozen=True)
+class Score:
+    """Score the estimates of a dataset against its truth.
+
+        rvbench score out/demo
+        rvbench score out/demo --fail-above-mm 1.0
+
+    What each number of score.json means is told by the report.
+    """
+
+    folder: Positional[Folder]
+    """a dataset with its truth half and estimates"""
+    fail_above_mm: OptionalNumber = None
+    """exit with 1 if 5 % of the position errors of `best` exceed this, in mm, or a frame is
+    missed"""
+
+    def run(self) -> int:
+        """Score."""
+        scored = api.score(self.folder)
+        _print_summary(scored)
+        print(f"score: {self.folder / 'score.json'}")
+        if self.fail_above_mm is None:
+            return DONE
+        return _verdict(scored, self.fail_above_mm)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Write one HTML file that shows what was run and how wrong it was.
+
+        rvbench report out/demo
+
+    It opens offline: pictures, figures and tables are all in it.
+    """
+
+    folder: Positional[Folder]
+    """a scored dataset"""
+
+    def run(self) -> int:
+        """Report."""
+        print(f"report: {api.report(self.folder).resolve()}")
+        return DONE
+
+
+@dataclass(frozen=True)
+class Show:
+    """Draw one frame: both images, their difference, every marker's pixels, and the errors.
+
+        rvbench show out/demo 3
+        rvbench show out/demo 3 --variant paper --out frame3.png
+
+    Red circles are detections, green diamonds reprojections, cyan crosses the truth.
+    """
+
+    folder: Positional[Folder]
+    """a dataset; estimates and truth are drawn where it has them"""
+    frame: Positional[Annotated[int, arg(metavar="FRAME")]]
+    """number of the frame"""
+    variant: Annotated[str, arg(metavar="NAME")] = "best"
+    """whose estimates to draw"""
+    out: OptionalFile = None
+    """the picture; else DIR/show/FRAME_NAME.png"""
+
+    def run(self) -> int:
+        """Draw and write the picture."""
+        from bench.show import write_frame
+
+        name = f"{self.frame:06d}_{self.variant}.png"
+        out = self.out or self.folder / "show" / name
+        write_frame(self.folder, self.frame, out, self.variant)
+        print(f"picture: {out}")
+        return DONE
+
+
+@dataclass(frozen=True)
+class List:
+    """List the cases, cameras, targets and Suns there are."""
+
+    def run(self) -> int:
+        """Print the lists."""
+        from bench.listing import print_listing
+
+        print_listing(Console())
+        return DONE
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Say what this machine has, which Mitsuba variants really render, and what to do about it."""
+
+    def run(self) -> int:
+        """Examine."""
+        from bench.doctor import doctor
+
+        return doctor()
+
+
+def _print_summary(scored: dict[str, object]) -> None:
+    from bench.summary import print_summary
+
+    print_summary(Console(), scored)
+
+
+def _verdict(scored: dict[str, Any], limit_mm: float) -> int:
+    variant = "best" if "best" in scored["pipelines"] else next(iter(scored["pipelines"]))
+    row = scored["pipelines"][variant]
+    p95_mm, missed = row["position_error_mm"]["p95"], row["lost"]["missed"]
+    if p95_mm is None or p95_mm > limit_mm or missed:
+        said = "no pose at all" if p95_mm is None else f"{p95_mm:.3g} mm"
+        print(
+            f"worse than asked: {variant} has a 95th percentile of {said} against "
+            f"{limit_mm:g} mm, and {missed} missed frames"
+        )
+        return WORSE
+    return DONE
