@@ -1,0 +1,244 @@
+"""A marker's centre by weighted least squares of a blurred disc, with its covariance.
+
+The disc's outline is known from the pose; the rest of ``detection.disc_model`` is fitted to the
+signed difference of the pair, every pixel weighted by the detector's own noise. Against a weighted
+centroid (equation 6) this is not pulled by lamp fall-off across the disc, nor by the threshold;
+pixels that saturate are simply left out, and what the fit cannot explain (a cut, a shadow's edge)
+shows in its misfit and widens the covariance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import AnyArray, Floats, Mask
+from models.sensor import Detector
+from pipelines.detection.disc_model import PARAMETERS, DiscParameters, disc_model
+from pipelines.detection.disc_window import WINDOW_MARGIN_PX, DiscWindow, cut_window
+
+ITERATIONS = 12
+CONVERGED_PX = 1e-4
+WORSE = 1.0 + 1e-6  # growth of the cost that is not rounding
+LONGEST_STEP_PX = 1.0
+SIZE_TOLERANCE = 0.05  # 1-sigma of the predicted radius, relative
+CROSSTALK_TOLERANCE = 0.1  # 1-sigma of the share that neighbours exchange
+MIN_PIXELS = 2 * PARAMETERS
+
+
+@dataclass(frozen=True)
+class ExpectedBlur:
+    """What is known of the lens and chip before the fit.
+
+    Attributes
+    ----------
+    psf_sigma_px, tolerance_px : float, px
+        Blur of the lens and its 1-sigma.
+    start_px, start_crosstalk : float
+        Where the fit begins: what it found last, which saves steps and changes nothing else.
+    """
+
+    psf_sigma_px: float
+    tolerance_px: float
+    start_px: float
+    start_crosstalk: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class DiscFit:
+    """What the fit says.
+
+    Attributes
+    ----------
+    parameters : DiscParameters
+    covariance_px2 : (2, 2) array, px^2
+        Of the centre, from the detector's noise, widened by the misfit.
+    height_sigma_dn : float, DN
+    misfit : float
+        Root mean square of what the fit leaves, over the height.
+    misfit_chi2 : float
+        The same over the noise, squared: the reduced chi-square.
+    """
+
+    parameters: DiscParameters
+    covariance_px2: Floats
+    height_sigma_dn: float
+    misfit: float
+    misfit_chi2: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Prior:
+    """What is known of size, blur and crosstalk, as three more observations."""
+
+    blur: ExpectedBlur
+
+    @property
+    def weight(self) -> Floats:
+        return np.array([SIZE_TOLERANCE, self.blur.tolerance_px, CROSSTALK_TOLERANCE]) ** -2.0
+
+    def residual(self, parameters: DiscParameters) -> Floats:
+        return np.array(
+            [
+                1.0 - parameters.size,
+                self.blur.psf_sigma_px - parameters.blur_px,
+                -parameters.crosstalk,
+            ]
+        )
+
+    def cost(self, parameters: DiscParameters) -> float:
+        return float(np.sum(self.weight * self.residual(parameters) ** 2))
+
+    def add_to(self, normal: Floats, right: Floats, parameters: DiscParameters) -> None:
+        normal[[2, 3, 4], [2, 3, 4]] += self.weight
+        right[2:5] += self.weight * self.residual(parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """The model at a point."""
+
+    parameters: DiscParameters
+    model: Floats
+    design: Floats
+    residual: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class _Accepted:
+    """The last point at which the fit was better than before, and the step from it."""
+
+    parameters: DiscParameters
+    step: Floats
+    weight: Floats
+    residual: Floats
+    covariance: Floats
+    total: float
+
+    def worsened_by(self, look: _Look, prior: _Prior) -> bool:
+        cost = float(np.sum(self.weight * look.residual**2)) + prior.cost(look.parameters)
+        return cost > self.total * WORSE
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """One disc's pixels and what is known of it."""
+
+    window: DiscWindow
+    shape_inverse: Floats
+    radius: float
+    detector: Detector
+    prior: _Prior
+
+    def start(self) -> DiscParameters:
+        x, y = self.window.x[:, 1:-1], self.window.y[1:-1]
+        own = self.shape_inverse
+        ellipse = own[0, 0] * x**2 + 2.0 * own[0, 1] * x * y + own[1, 1] * y**2
+        core = self.window.difference[(ellipse < 1.0) & self.window.usable]
+        rim = self.window.difference[(ellipse >= 1.0) & self.window.usable]
+        background = float(np.median(rim)) if len(rim) else 0.0
+        height = float(np.median(core)) - background if len(core) else 1.0
+        blur = self.prior.blur
+        return DiscParameters(
+            np.zeros(2), 1.0, blur.start_px, blur.start_crosstalk, height, np.zeros(2), background
+        )
+
+    def look(self, parameters: DiscParameters) -> _Look:
+        model, design = disc_model(
+            self.window.x, self.window.y, self.shape_inverse, self.radius, parameters
+        )
+        return _Look(parameters, model, design, self.window.difference - model)
+
+    def linearised(self, look: _Look) -> _Accepted | None:
+        """Weigh the pixels by the model's own noise and solve for a step."""
+        parameters = look.parameters
+        variance = self.window.variance(look.model, parameters.background_dn, self.detector)
+        weight = self.window.usable / variance
+        flat = look.design.reshape(PARAMETERS, -1)
+        weighted = flat * weight.reshape(-1)
+        normal, right = weighted @ flat.T, weighted @ look.residual.reshape(-1)
+        self.prior.add_to(normal, right, parameters)
+        scale = np.sqrt(np.diag(normal)) + 1e-12
+        balance = np.outer(scale, scale)
+        try:
+            covariance: Floats = np.linalg.inv(normal / balance).astype(np.float64) / balance
+        except np.linalg.LinAlgError:
+            return None
+        step = covariance @ right
+        if not np.isfinite(step).all():
+            return None
+        total = float(np.sum(weight * look.residual**2)) + self.prior.cost(parameters)
+        return _Accepted(parameters, step, weight, look.residual, covariance, total)
+
+
+def fit_disc(
+    image_800: AnyArray,
+    image_850: AnyArray,
+    area_centre_px: Floats,
+    shape_px2: Floats,
+    detector: Detector,
+    saturation_dn: float,
+    blur: ExpectedBlur,
+) -> DiscFit | None:
+    """Fit one disc.
+
+    Parameters
+    ----------
+    image_800, image_850 : (height, width) arrays, DN
+    area_centre_px : (2,) array, px
+        Predicted centre of area of the outline.
+    shape_px2 : (2, 2) array, px^2
+        Predicted ellipse, ``d^T S^-1 d = 1``.
+    detector : Detector
+    saturation_dn : float, DN
+        Pixels at or above it are left out.
+    blur : ExpectedBlur
+
+    Returns
+    -------
+    DiscFit or None
+        None where too few pixels are left or the fit runs away: there is no such disc there.
+    """
+    half_extent = np.sqrt(np.diag(shape_px2))
+    window = cut_window(image_800, image_850, area_centre_px, half_extent, saturation_dn)
+    if window is None or np.count_nonzero(window.usable) < MIN_PIXELS:
+        return None
+    shape_inverse: Floats = np.linalg.inv(shape_px2).astype(np.float64)
+    radius = float(np.linalg.det(shape_px2) ** 0.25)
+    problem = _Problem(window, shape_inverse, radius, detector, _Prior(blur))
+    furthest = float(half_extent.max()) + WINDOW_MARGIN_PX
+
+    parameters, accepted, shorten = problem.start(), None, 1.0
+    for _ in range(ITERATIONS):
+        look = problem.look(parameters)
+        if accepted is not None and accepted.worsened_by(look, problem.prior):
+            shorten *= 0.25
+            parameters = accepted.parameters.moved(shorten * accepted.step)
+            continue
+        accepted = problem.linearised(look)
+        if accepted is None or np.abs(parameters.centre_px).max() > furthest:
+            return None
+        length = float(np.hypot(accepted.step[0], accepted.step[1]))
+        if length < CONVERGED_PX:
+            break
+        shorten = min(1.0, LONGEST_STEP_PX / length)
+        parameters = parameters.moved(shorten * accepted.step)
+    return None if accepted is None else _summary(accepted, window.usable)
+
+
+def _summary(last: _Accepted, usable: Mask) -> DiscFit | None:
+    left, weight = last.residual[usable], last.weight[usable]
+    freedom = max(len(left) - PARAMETERS, 1)
+    misfit_chi2 = float(np.sum(weight * left**2)) / freedom
+    covariance = last.covariance[:2, :2] * max(1.0, misfit_chi2)
+    height = last.parameters.height_dn
+    if height <= 0.0 or not np.isfinite(misfit_chi2) or np.linalg.eigvalsh(covariance)[0] <= 0.0:
+        return None
+    return DiscFit(
+        parameters=last.parameters,
+        covariance_px2=0.5 * (covariance + covariance.T),
+        height_sigma_dn=float(np.sqrt(last.covariance[5, 5])),
+        misfit=float(np.sqrt(np.mean(left**2))) / height,
+        misfit_chi2=misfit_chi2,
+    )

@@ -1,0 +1,89 @@
+"""The difference of a pair: the markers shine at 850 nm and are dark at 800 nm.
+
+Sunlight is in both images and cancels but for shot noise, 33 ms of motion, and saturation: a
+glint that saturates has no difference, and beside it charge may have spilled. Such pixels must not
+set a threshold; but a marker that saturates, or stands beside a glint, must stay whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from models.arrays import Floats, Image, Mask
+from models.frame import Frame
+from models.sensor import Detector
+
+SATURATION_SIGMAS = 5.0  # of read noise, below the full well's level
+
+
+@dataclass(frozen=True)
+class Region:
+    """A rectangle of an image: rows [top, bottom), columns [left, right)."""
+
+    top: int
+    bottom: int
+    left: int
+    right: int
+
+    @property
+    def part(self) -> tuple[slice, slice]:
+        """What to index an image with."""
+        return slice(self.top, self.bottom), slice(self.left, self.right)
+
+    @property
+    def origin_px(self) -> Floats:
+        """(2,) array, px: column and row of its first pixel."""
+        return np.array([self.left, self.top], dtype=np.float64)
+
+    @property
+    def pixels(self) -> int:
+        """How many there are."""
+        return (self.bottom - self.top) * (self.right - self.left)
+
+    @classmethod
+    def whole(cls, image: Image) -> Region:
+        """Return all of an image."""
+        return cls(0, image.shape[0], 0, image.shape[1])
+
+
+def saturation_level_dn(detector: Detector) -> float:
+    """Return the level, DN, from which on a pixel is taken as saturated."""
+    read_noise_dn = detector.read_noise_e / detector.gain_e_dn
+    return float(detector.saturation_dn - SATURATION_SIGMAS * read_noise_dn - 1.0)
+
+
+def clipped_difference(frame: Frame) -> Image:
+    """Return max(850 nm - 800 nm, 0), uint16: the paper's difference image."""
+    return np.asarray(cv2.subtract(frame.image_850, frame.image_800))
+
+
+def signed_difference(frame: Frame, region: Region) -> Floats:
+    """Return 850 nm - 800 nm of a region, DN."""
+    difference = cv2.subtract(
+        frame.image_850[region.part], frame.image_800[region.part], dtype=cv2.CV_32F
+    )
+    return np.asarray(difference)
+
+
+def saturated(frame: Frame, detector: Detector, region: Region | None = None) -> Mask | None:
+    """Tell which pixels are saturated in either exposure, with a rim of one pixel.
+
+    Returns
+    -------
+    (height, width) array of bool, or None if there is no such pixel.
+    """
+    part = (region or Region.whole(frame.image_850)).part
+    brighter = cv2.max(frame.image_800[part], frame.image_850[part])
+    level = saturation_level_dn(detector)
+    if brighter.size == 0 or brighter.max() < level:
+        return None
+    mask = cv2.compare(brighter, level, cv2.CMP_GE)
+    return np.asarray(cv2.dilate(mask, np.ones((3, 3), np.uint8)) > 0)
+
+
+def swapped(frame: Frame) -> Frame:
+    """Return the frame with its two images exchanged."""
+    return replace(frame, image_800=frame.image_850, image_850=frame.image_800)

@@ -1,0 +1,78 @@
+"""A Perspective-n-Point problem: matched points with their weights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import Floats, Mask
+from models.camera import Camera
+from pipelines.pnp.projection_jacobian import jacobian_by_turn, project_normalised
+
+DISTORTION_STEP = 1e-6  # normalised coordinates; central differences then err by about 1e-11
+
+
+def undistortion_gain(camera: Camera, normalised: Floats) -> Floats:
+    """Return d(undistorted normalised) / d(pixel), (n, 2, 2), at undistorted coordinates."""
+    steps = DISTORTION_STEP * np.eye(2)
+    columns = [
+        (camera.distort(normalised + step) - camera.distort(normalised - step))
+        / (2.0 * DISTORTION_STEP)
+        for step in steps
+    ]
+    pixels_by_normalised = np.stack(columns, axis=-1) * np.array([[camera.fx], [camera.fy]])
+    return np.linalg.inv(pixels_by_normalised)
+
+
+@dataclass(frozen=True, eq=False)
+class PnpProblem:
+    """Matched points, undistorted, and what each is worth.
+
+    Attributes
+    ----------
+    points_in_target : (n, 3) array, m
+    observed : (n, 2) array
+        Undistorted normalised image coordinates.
+    whitening : (n, 2, 2) array
+        ``W`` with ``W^T W`` the inverse covariance of an observation; identity where all are
+        worth the same, as in the paper.
+    """
+
+    points_in_target: Floats
+    observed: Floats
+    whitening: Floats
+
+    def __len__(self) -> int:
+        return len(self.observed)
+
+    @classmethod
+    def unweighted(cls, camera: Camera, points_in_target: Floats, pixels: Floats) -> PnpProblem:
+        """Take all points alike; chi2 is then in squared normalised units (equation 9)."""
+        identity = np.broadcast_to(np.eye(2), (len(pixels), 2, 2))
+        return cls(points_in_target, camera.normalise(pixels), identity)
+
+    @classmethod
+    def weighted(
+        cls, camera: Camera, points_in_target: Floats, pixels: Floats, covariance_px: Floats
+    ) -> PnpProblem:
+        """Weigh points by their covariances (n, 2, 2) in px^2; chi2 then follows chi-square."""
+        observed = camera.normalise(pixels)
+        gain = undistortion_gain(camera, observed)
+        covariance = gain @ covariance_px @ gain.transpose(0, 2, 1)
+        whitening = np.linalg.inv(np.linalg.cholesky(covariance))
+        return cls(points_in_target, observed, whitening)
+
+    def subset(self, keep: Mask) -> PnpProblem:
+        """Return the problem of some of the matches."""
+        return PnpProblem(self.points_in_target[keep], self.observed[keep], self.whitening[keep])
+
+    def residuals(self, rotation: Floats, translation: Floats) -> Floats:
+        """Return whitened observed minus predicted, (n, 2); NaN behind the camera."""
+        predicted = project_normalised(rotation, translation, self.points_in_target)
+        return np.einsum("nij,nj->ni", self.whitening, self.observed - predicted)
+
+    def jacobian(self, rotation: Floats, translation: Floats) -> Floats:
+        """Return the whitened Jacobian of the prediction, (2n, 6), by turn and translation."""
+        plain = jacobian_by_turn(rotation, translation, self.points_in_target)
+        return (self.whitening @ plain).reshape(-1, 6)

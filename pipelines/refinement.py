@@ -1,0 +1,106 @@
+"""The last step of the best variant: fit every disc where the pose says it is, and solve again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import Floats
+from models.camera import Camera
+from models.frame import Frame, MarkerPattern
+from models.pose import RigidTransform
+from models.sensor import Detector
+from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
+from pipelines.detection.disc_outline import disc_outlines
+from pipelines.detection.image_difference import saturation_level_dn
+from pipelines.match import Match
+from pipelines.options import ChaserFixedOptions
+
+LEAST_HEIGHT_SIGMAS = 8.0
+SIZE_LIMITS = (0.75, 1.33)
+FURTHEST_RADII = 0.5  # a disc further from where the pose says is another thing
+
+
+@dataclass(frozen=True, eq=False)
+class FittedMarkers:
+    """The discs that were fitted and believed.
+
+    Attributes
+    ----------
+    match : Match
+        Projections of the discs' centres: the perspective of a circle is taken off.
+    blur_px, crosstalk : float
+        What the fits found, for the next frame to start from.
+    """
+
+    match: Match
+    blur_px: float
+    crosstalk: float
+
+
+def _believable(fit: DiscFit, radius_px: float, options: ChaserFixedOptions) -> bool:
+    """Refuse what is faint, cut, of another size, or elsewhere."""
+    # What noise alone explains is no misfit of shape.
+    shape_misfit = fit.misfit * np.sqrt(max(1.0 - 1.0 / max(fit.misfit_chi2, 1e-9), 0.0))
+    reach = max(2.0, FURTHEST_RADII * radius_px)
+    return bool(
+        fit.parameters.height_dn > LEAST_HEIGHT_SIGMAS * fit.height_sigma_dn
+        and shape_misfit < options.max_misfit
+        and SIZE_LIMITS[0] < fit.parameters.size < SIZE_LIMITS[1]
+        and np.hypot(*fit.parameters.centre_px) < reach
+    )
+
+
+def fit_markers(
+    frame: Frame,
+    camera: Camera,
+    detector: Detector,
+    markers: MarkerPattern,
+    pose: RigidTransform,
+    blur: ExpectedBlur,
+    options: ChaserFixedOptions,
+) -> FittedMarkers:
+    """Fit all discs that a pose sees whole in the image, found before or not.
+
+    Parameters
+    ----------
+    frame, camera, detector, markers
+    pose : RigidTransform
+        ``cam_from_target``, good to about a marker's radius.
+    blur : ExpectedBlur
+    options : ChaserFixedOptions
+    """
+    outlines = disc_outlines(camera, pose, markers)
+    level = saturation_level_dn(detector)
+    points: list[Floats] = []
+    covariances: list[Floats] = []
+    chosen: list[int] = []
+    blurs: list[tuple[float, float]] = []
+    for index in np.flatnonzero(outlines.facing):
+        radius = float(outlines.radii_px[index])
+        centre = outlines.area_centres_px[index]
+        if not camera.contains(centre, options.s_bord * radius):
+            continue
+        fit = fit_disc(
+            frame.image_800,
+            frame.image_850,
+            centre,
+            outlines.shapes_px2[index],
+            detector,
+            level,
+            blur,
+        )
+        if fit is None or not _believable(fit, radius, options):
+            continue
+        points.append(outlines.centres_px[index] + fit.parameters.centre_px)
+        covariances.append(fit.covariance_px2 + options.centroid_floor_px**2 * np.eye(2))
+        chosen.append(int(index))
+        blurs.append((fit.parameters.blur_px, fit.parameters.crosstalk))
+    middle = np.median(blurs, axis=0) if blurs else [blur.start_px, blur.start_crosstalk]
+    match = Match(
+        np.array(points).reshape(-1, 2),
+        np.array(covariances).reshape(-1, 2, 2),
+        np.array(chosen, dtype=np.int64),
+    )
+    return FittedMarkers(match, float(middle[0]), float(middle[1]))

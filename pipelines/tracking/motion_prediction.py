@@ -1,0 +1,110 @@
+"""The next pose from the last ones: as it was, or at constant velocity, with its uncertainty."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from models.arrays import Floats
+from models.frame import FlightKnowledge
+from models.pose import RigidTransform, euler_321_from_rotation
+from pipelines.options import ChaserFixedOptions
+from pipelines.pnp.projection_jacobian import turn_from_euler_rates
+
+LONGEST_REACH = 20.0  # an extrapolation beyond this many of its baselines is held there
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedPose:
+    """Where the target should be.
+
+    Attributes
+    ----------
+    pose : RigidTransform
+        ``cam_from_target``.
+    covariance : (6, 6) array, rad and m
+        Rotation first, as in ``RigidTransform.perturbed``.
+    lost_frames : int
+        Frames without a pose since the last one.
+    """
+
+    pose: RigidTransform
+    covariance: Floats
+    lost_frames: int
+
+
+@dataclass(frozen=True, eq=False)
+class _TimedPose:
+    time_s: float
+    pose: RigidTransform
+    covariance: Floats
+
+
+def prior_covariance(knowledge: FlightKnowledge) -> Floats:
+    """Turn the prior's sigmas in (alpha, beta, gamma) and t into a (6, 6) covariance."""
+    euler_rad = np.deg2rad(euler_321_from_rotation(knowledge.prior.rotation))
+    turn = turn_from_euler_rates(euler_rad) * np.deg2rad(knowledge.prior_sigma_deg)
+    covariance = np.zeros((6, 6))
+    covariance[:3, :3] = turn @ turn.T
+    covariance[3:, 3:] = np.diag(knowledge.prior_sigma_m**2)
+    return covariance
+
+
+class MotionPrediction:
+    """Remembers the last two poses; before the first one, the prior."""
+
+    def __init__(self, knowledge: FlightKnowledge, options: ChaserFixedOptions) -> None:
+        self._prior = knowledge.prior
+        self._prior_covariance = prior_covariance(knowledge)
+        self._options = options
+        self._known: deque[_TimedPose] = deque(maxlen=2)
+        self._lost_frames = 0
+
+    def found(self, time_s: float, pose: RigidTransform, covariance: Floats) -> None:
+        """Take in a pose."""
+        if self._known and time_s <= self._known[-1].time_s:
+            self._known.clear()  # time stood still or ran back: there is no velocity
+        self._known.append(_TimedPose(time_s, pose, covariance))
+        self._lost_frames = 0
+
+    def lost(self) -> None:
+        """Take in that a frame gave no pose."""
+        self._lost_frames += 1
+
+    def predict(self, time_s: float) -> PredictedPose:
+        """Predict the pose at a time."""
+        if not self._known:
+            return PredictedPose(self._prior, self._prior_covariance, self._lost_frames)
+        last = self._known[-1]
+        ahead_s = max(time_s - last.time_s, 0.0)
+        if self._options.prediction == "last_pose" or len(self._known) == 1:
+            still = last.covariance + self._velocity_covariance(ahead_s)
+            return PredictedPose(last.pose, still, self._lost_frames)
+        return self._carried_on(ahead_s)
+
+    def _carried_on(self, ahead_s: float) -> PredictedPose:
+        before, last = self._known
+        baseline_s = last.time_s - before.time_s
+        ratio = min(ahead_s / baseline_s, LONGEST_REACH)
+        turn = Rotation.from_matrix(last.pose.rotation @ before.pose.rotation.T).as_rotvec()
+        shift = last.pose.translation - before.pose.translation
+        pose = last.pose.perturbed(ratio * turn, ratio * shift)
+        covariance = (1.0 + ratio) ** 2 * last.covariance + ratio**2 * before.covariance
+        # A constant acceleration a leaves a / 2 * ahead * (ahead + baseline).
+        lever = 0.5 * ahead_s * (ahead_s + baseline_s)
+        covariance = covariance + self._process(
+            self._options.acceleration_deg_s2 * lever, self._options.acceleration_m_s2 * lever
+        )
+        return PredictedPose(pose, covariance, self._lost_frames)
+
+    def _velocity_covariance(self, ahead_s: float) -> Floats:
+        return self._process(
+            self._options.velocity_deg_s * ahead_s, self._options.velocity_m_s * ahead_s
+        )
+
+    @staticmethod
+    def _process(sigma_deg: float, sigma_m: float) -> Floats:
+        return np.diag([*3 * [np.deg2rad(sigma_deg) ** 2], *3 * [sigma_m**2]])
