@@ -75,8 +75,7 @@ class Blanket:
         points = np.concatenate([inner, edge])
         triangles = Delaunay(points).simplices
         corners = points[triangles]
-        first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        area = 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+        area = 0.5 * _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         triangles[area < 0.0] = triangles[area < 0.0][:, ::-1]
         keep = np.abs(area) > SLIVER_M2
         if self.hole is not None:
@@ -166,12 +165,29 @@ def _scattered(low: Floats, high: Floats, spacing_m: float, rng: np.random.Gener
 
 
 def _on_facets(sheet: Delaunay, level: Floats, points: Floats) -> Floats:
-    """Return the levels of points inside the facets of a triangulation, (n,), linear on each."""
-    facet = sheet.find_simplex(points)
-    barycentric = sheet.transform[facet]
-    first_two = np.einsum("nij,nj->ni", barycentric[:, :2], points - barycentric[:, 2])
-    weights = np.column_stack([first_two, 1.0 - first_two.sum(axis=1)])
-    return np.asarray((weights * level[sheet.simplices[facet]]).sum(axis=1))
+    """Return the levels of points inside the facets of a triangulation, (n,), linear on each.
+
+    ``Delaunay.find_simplex`` would serve, but inverts one tiny matrix per facet by LAPACK, which
+    threads of a busy machine turn from milliseconds into many seconds.
+    """
+    corners = sheet.points[sheet.simplices]
+    centres = corners.mean(axis=1)
+    reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+    near = cKDTree(points).query_ball_point(centres, reach)
+    facet = np.repeat(np.arange(len(near)), [len(found) for found in near])
+    which = np.concatenate([np.asarray(found, dtype=np.int64) for found in near])
+    a, b, c = np.moveaxis(corners[facet] - points[which][:, None], 1, 0)
+    weights = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-1)
+    weights /= weights.sum(axis=1, keepdims=True)
+    inside = (weights >= 0.0).all(axis=1)
+    found_level = np.full(len(points), np.nan)
+    found_level[which[inside]] = (weights * level[sheet.simplices[facet]]).sum(axis=1)[inside]
+    return found_level
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    """Return the cross products of plane vectors, (n,)."""
+    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
 
 
 def _along_creases(sheet: Delaunay, level: Floats, pitch_m: float) -> tuple[Floats, Floats]:
