@@ -22,6 +22,8 @@ from models.pose import RigidTransform
 from renders.camera_plugin import ray_direction_in_cam
 from renders.light_groups import LampGroup, LightGroup, SunGroup
 
+LANE_SAMPLES = 16  # a pixel with more samples is shared by several lanes: no core idles
+
 
 class SunLight:
     """A Sun group as the kernel samples it."""
@@ -82,6 +84,8 @@ def _trace(
     ray_of: Any,
     lights: Any,
     pixels: Any,
+    first: Any,
+    last: Any,
     width: Any,
     grid: Any,
     max_depth: Any,
@@ -93,8 +97,8 @@ def _trace(
     column = mi.Float(pixels % width)
     row = mi.Float(pixels // width)
     cell = 1.0 / mi.Float(grid)
-    index = dr.zeros(mi.UInt32, dr.width(pixels))
-    while index < grid * grid:
+    index = mi.UInt32(first)
+    while index < last:
         u = column + (mi.Float(index % grid) + rng.next_float32()) * cell - 0.5
         v = row + (mi.Float(index // grid) + rng.next_float32()) * cell - 0.5
         ray = ray_of(u, v)
@@ -102,7 +106,7 @@ def _trace(
         depth = mi.UInt32(0)
         active = mi.Bool(True)
         while active:
-            si = scene.ray_intersect(ray, active)
+            si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
             active &= si.is_valid()
             bsdf = si.bsdf(ray)
             disc = mi.warp.square_to_uniform_disk_concentric(
@@ -118,7 +122,7 @@ def _trace(
                 facing &= share > 0.0
                 shadow = si.spawn_ray(towards)
                 shadow.maxt = distance * (1.0 - 1e-4)
-                dark = scene.ray_test(shadow, facing)
+                dark = scene.ray_test(shadow, depth == 0, facing)
                 sums[number] += dr.select(facing & ~dark, share, 0.0)
             depth += 1
             active &= depth < max_depth
@@ -129,7 +133,28 @@ def _trace(
             active &= dr.any(throughput > 0.0)
             ray = si.spawn_ray(si.to_world(bsdf_sample.wo))
         index += 1
-    return [total / mi.Float(grid * grid) for total in sums]
+    return [total / mi.Float(last - first) for total in sums]
+
+
+def random_lanes(seed: int, pixels: Any, shares: Any) -> Any:
+    """Return random numbers for each lane, keyed by seed, pixel and share.
+
+    Both halves of a generator's seed are hashed (Tiny Encryption Algorithm, as Mitsuba's samplers
+    do): PCG streams that differ only in their number are correlated, enough to shift a dot.
+    """
+    first, second = mi.sample_tea_32(pixels, mi.UInt32(seed))
+    state, stream = mi.sample_tea_32(first ^ shares, second)
+    rng = mi.PCG32()
+    rng.seed(initstate=mi.UInt64(state), initseq=mi.UInt64(stream))
+    return rng
+
+
+def lanes_per_pixel(samples: int) -> int:
+    """Return into how many lanes, a power of two, the samples of a pixel are shared evenly."""
+    shares = 1
+    while samples % (2 * shares) == 0 and samples // (2 * shares) >= LANE_SAMPLES:
+        shares *= 2
+    return shares
 
 
 def trace_groups(
@@ -176,14 +201,20 @@ def trace_groups(
         return mi.Ray3f(lens, dr.normalize(direction))
 
     lights = [light_of(group, cam_from_target) for group in groups]
-    lanes = mi.UInt32(np.ascontiguousarray(pixels, dtype=np.uint32))
-    rng = mi.PCG32()
-    rng.seed(initstate=mi.UInt64(seed), initseq=mi.UInt64(lanes))
+    shares = lanes_per_pixel(grid * grid)
+    each = grid * grid // shares
+    pixel_of_lane = np.repeat(np.asarray(pixels, dtype=np.uint32), shares)
+    share_of_lane = np.tile(np.arange(shares, dtype=np.uint32), len(pixels))
+    lanes = mi.UInt32(pixel_of_lane)
+    first = mi.UInt32(share_of_lane * each)
+    rng = random_lanes(seed, lanes, mi.UInt32(share_of_lane))
     sums = _trace(
         scene,
         ray_of,
         lights,
         lanes,
+        first,
+        first + dr.opaque(mi.UInt32, each),
         mi.UInt32(camera.width),
         dr.opaque(mi.UInt32, grid),
         dr.opaque(mi.UInt32, max_depth),
@@ -191,6 +222,6 @@ def trace_groups(
     )
     dr.eval(sums)
     return {
-        group.name: np.array(total, dtype=np.float32)
+        group.name: np.array(total).reshape(len(pixels), shares).mean(axis=1, dtype=np.float32)
         for group, total in zip(groups, sums, strict=True)
     }

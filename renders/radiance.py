@@ -15,7 +15,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from models.arrays import Radiance
+from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
@@ -25,6 +25,8 @@ from renders.light_groups import LightGroup
 from renders.scene import SceneGeometry
 
 WINDOW_MARGIN_PX = 3.0  # beyond the disc: the point-spread function at five sigma
+EDGE_PX = 1.5  # a pixel this near to a disc's outline may be cut by it
+NEAR_SAMPLES = 256  # inside a window but off the outline, where light varies smoothly
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,37 @@ def marker_windows(
     return windows
 
 
+def marker_pixels(
+    markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform, windows: list[Window]
+) -> tuple[AnyArray, AnyArray]:
+    """Return the pixels of the windows, and those of them that a disc's outline may cut.
+
+    Only the latter need many samples: what a sample there meets is all or nothing. A pixel's ray
+    is met with each disc's plane, and its distance from the outline counted in pixels.
+
+    Returns
+    -------
+    two (n,) uint32 arrays, indices ``row * width + column``.
+    """
+    grid = np.arange(camera.width * camera.height, dtype=np.uint32).reshape(camera.height, -1)
+    near = np.unique(np.concatenate([grid[t : t + h, a : a + w].ravel() for a, t, w, h in windows]))
+    pixels = np.stack([near % camera.width, near // camera.width], axis=1).astype(np.float64)
+    rays = camera.rays(pixels)
+    cut = np.zeros(len(near), dtype=bool)
+    normals_in_cam = cam_from_target.rotate(markers.normals_in_target)
+    for centre, normal in zip(
+        cam_from_target @ markers.points_in_target, normals_in_cam, strict=True
+    ):
+        if centre[2] <= markers.radius_m:
+            continue
+        facing = rays @ normal
+        reach = np.where(facing < -1e-3, (centre @ normal) / np.minimum(facing, -1e-3), np.inf)
+        off_centre = np.linalg.norm(rays * reach[:, None] - centre, axis=1)
+        pixel_m = centre[2] / camera.fx / max(-normal @ centre / np.linalg.norm(centre), 0.1)
+        cut |= np.abs(off_centre - markers.radius_m) < EDGE_PX * pixel_m
+    return near, near[cut]
+
+
 def render_radiance(
     scene: Any,
     geometry: SceneGeometry,
@@ -96,16 +129,13 @@ def render_radiance(
         return _one_by_one(geometry, camera, cam_from_target, groups, windows, sampling)
     everywhere = np.arange(camera.width * camera.height, dtype=np.uint32)
     images = _traced(scene, camera, cam_from_target, groups, everywhere, sampling.samples, sampling)
-    if windows:
-        grid = everywhere.reshape(camera.height, camera.width)
-        inside = np.unique(
-            np.concatenate([grid[t : t + h, a : a + w].ravel() for a, t, w, h in windows])
-        )
-        fine = _traced(
-            scene, camera, cam_from_target, groups, inside, sampling.marker_samples, sampling
-        )
-        for name, image in images.items():
-            image[inside] = fine[name]
+    if markers is not None and windows:
+        near, edge = marker_pixels(markers, camera, cam_from_target, windows)
+        for pixels, samples in ((near, NEAR_SAMPLES), (edge, sampling.marker_samples)):
+            samples = min(samples, sampling.marker_samples)
+            fine = _traced(scene, camera, cam_from_target, groups, pixels, samples, sampling)
+            for name, image in images.items():
+                image[pixels] = fine[name]
     return {name: image.reshape(camera.height, camera.width) for name, image in images.items()}
 
 
