@@ -1,9 +1,9 @@
 """Circularity ``C = 4 pi a / p^2`` of blobs (Opromolla et al. 2022, equation 5).
 
 How the perimeter p is measured decides what a small disc gets. By Crofton's formula (runs counted
-along four directions) discs get 0.95 to 1.1 from 2 px of radius on; by the length of the chain of
-boundary pixels, which shrinks every blob by half a pixel all round, 1.1 to 1.8 at 4 px and less,
-and 0.94 at 15 px.
+along four directions) discs get 0.9 to 1.1 from 2 px of radius on, and 1.0 at 15 px; by the length
+of the chain of boundary pixels, which runs half a pixel inside the edge, 1.3 to 1.6 at 2 px, 1.0 to
+1.2 at 4 px and 0.95 at 15 px.
 """
 
 from __future__ import annotations

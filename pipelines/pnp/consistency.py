@@ -2,47 +2,92 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import chi2
+from scipy.stats import chi2, f
 
 from models.arrays import Floats
 from models.pose import RigidTransform
+from pipelines.options import LevenbergMarquardtOptions
+from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
 
-MEDIAN_CHI2 = 2.0 * np.log(2.0)  # of two degrees of freedom
-LEAST_FREEDOM = 0.1  # share of a residual that the solver has not fitted away
-SUSPICIOUS = 0.999  # quantile of chi-square beyond which a common error is assumed
+LEAST_FREEDOM = 0.02  # share of a residual that the solver has not fitted away
+CALM = 0.9999  # quantile of chi-square up to which residuals are as foreseen
+FALSE_ALARM = 1e-5  # of the test for one outlier among residuals larger than foreseen
+SUSPECTS = 4  # sets of matches that are left out in earnest, the most promising ones
 LARGEST_COMMON_PX = 100.0
 
 
-def studentised_chi2(problem: PnpProblem, pose: RigidTransform) -> Floats:
-    """Return each match's squared residual over its own expected covariance, (n,).
+def deletion_gains(
+    problem: PnpProblem, pose: RigidTransform, together: int
+) -> dict[tuple[int, ...], float]:
+    """Return by how much chi2 would fall without some of the matches.
 
-    A solver pulls itself towards a point with leverage and hides its error; dividing by
-    ``I - J (J^T J)^-1 J^T`` undoes that. Correct matches follow chi-square with two degrees of
-    freedom.
+    A solver pulls itself towards a wrong match and hides its error among the others; leaving
+    matches out, to first order ``r^T (I - J (J^T J)^-1 J^T)^-1 r`` over their residuals, undoes
+    that (Cook and Weisberg 1982).
+
+    Parameters
+    ----------
+    problem : PnpProblem
+    pose : RigidTransform
+        The solution of all matches.
+    together : int
+        How many to leave out at a time.
     """
-    residuals = problem.residuals(pose.rotation, pose.translation)
-    jacobian = problem.jacobian(pose.rotation, pose.translation)
-    basis, _ = np.linalg.qr(jacobian)
-    blocks = basis.reshape(-1, 2, basis.shape[1])
-    left = np.eye(2) - blocks @ blocks.transpose(0, 2, 1)
-    values, vectors = np.linalg.eigh(left)
-    turned = np.einsum("nji,nj->ni", vectors, residuals)
-    return np.asarray((turned**2 / np.maximum(values, LEAST_FREEDOM)).sum(axis=1))
+    residuals = problem.residuals(pose.rotation, pose.translation).reshape(-1)
+    basis, _ = np.linalg.qr(problem.jacobian(pose.rotation, pose.translation))
+    gains = {}
+    for chosen in combinations(range(len(problem)), together):
+        rows = [2 * index + axis for index in chosen for axis in (0, 1)]
+        left = np.eye(len(rows)) - basis[rows] @ basis[rows].T
+        values, vectors = np.linalg.eigh(left)
+        turned = vectors.T @ residuals[rows]
+        gains[chosen] = float(np.sum(turned**2 / np.maximum(values, LEAST_FREEDOM)))
+    return gains
 
 
-def worst_outlier(problem: PnpProblem, pose: RigidTransform, outlier_sigmas: float) -> int | None:
-    """Return the match that agrees least, if it does not agree; else None.
+def find_outliers(
+    problem: PnpProblem,
+    pose: RigidTransform,
+    outlier_sigmas: float,
+    solver: LevenbergMarquardtOptions,
+) -> tuple[int, ...]:
+    """Return the one or two matches that do not agree with all others; none if they do agree.
 
-    The scale is the matches' own: where all residuals are larger than foreseen (markers not where
-    they were surveyed), none of them is an outlier for that.
+    What is left without them sets the scale: where all residuals are larger than foreseen
+    (markers not where they were surveyed), none of them is an outlier for that.
     """
-    distances = studentised_chi2(problem, pose)
-    scale = max(1.0, float(np.median(distances)) / MEDIAN_CHI2)
-    worst = int(np.argmax(distances))
-    return worst if distances[worst] > outlier_sigmas**2 * scale else None
+    total = float(np.sum(problem.residuals(pose.rotation, pose.translation) ** 2))
+    for together in (1, 2):
+        freedom = 2 * (len(problem) - together) - 6
+        if freedom < 1 or total <= chi2.ppf(CALM, freedom + 2 * together):
+            return ()
+        gains = deletion_gains(problem, pose, together)
+        suspects = sorted(gains, key=lambda chosen: -gains[chosen])[:SUSPECTS]
+        left = {chosen: _chi2_without(problem, pose, chosen, solver) for chosen in suspects}
+        worst = min(left, key=lambda chosen: left[chosen])
+        if left[worst] <= chi2.ppf(CALM, freedom):
+            limit = outlier_sigmas**2
+        else:
+            ratio = float(f.isf(FALSE_ALARM, 2 * together, freedom))
+            limit = left[worst] / freedom * 2.0 * together * ratio
+        if total - left[worst] > limit:
+            return worst
+    return ()
+
+
+def _chi2_without(
+    problem: PnpProblem,
+    pose: RigidTransform,
+    chosen: tuple[int, ...],
+    solver: LevenbergMarquardtOptions,
+) -> float:
+    keep = ~np.isin(np.arange(len(problem)), chosen)
+    return solve_pose(problem.subset(keep), pose, solver).chi2
 
 
 def common_variance_px2(residuals_px: Floats, covariance_px2: Floats) -> float:
@@ -65,6 +110,6 @@ def common_variance_px2(residuals_px: Floats, covariance_px2: Floats) -> float:
         solved = np.linalg.solve(wider, residuals_px[..., None])[..., 0]
         return float((residuals_px * solved).sum()) - freedom
 
-    if excess(0.0) + freedom <= chi2.ppf(SUSPICIOUS, freedom) or excess(LARGEST_COMMON_PX) > 0.0:
+    if excess(0.0) + freedom <= chi2.ppf(CALM, freedom) or excess(LARGEST_COMMON_PX) > 0.0:
         return 0.0
     return float(brentq(excess, 0.0, LARGEST_COMMON_PX, xtol=1e-6)) ** 2

@@ -22,6 +22,7 @@ from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 StopReason: TypeAlias = Literal["gradient", "step", "chi2", "iterations", "singular"]
 
 LAMBDA_MIN, LAMBDA_MAX = 1e-12, 1e7  # Gavin's limits; the lower one lets lambda0 = 1e-8 pass
+ROUNDING = 1e-13  # relative, of a sum of squares in double precision
 ZERO_ANGLE = 1e-12  # keeps the relative update finite where an angle crosses zero
 
 
@@ -160,6 +161,8 @@ def solve_pose(
         if not paper:
             predicted = float(step @ (damping * np.diag(hessian) * step + gradient))
             success = predicted > 0.0 and decrease > options.eps0 * predicted
+            # What is left to gain drowns in rounding: neither chi2 nor lambda can tell any more.
+            small_step = small_step or predicted < ROUNDING * chi2
         if success:
             state, residuals, chi2 = candidate, new_residuals, new_chi2
             fresh = True

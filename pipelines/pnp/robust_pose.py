@@ -10,7 +10,7 @@ from models.frame import MarkerPattern
 from models.pose import RigidTransform
 from pipelines.match import Match, Solution
 from pipelines.options import ChaserFixedOptions
-from pipelines.pnp.consistency import common_variance_px2, worst_outlier
+from pipelines.pnp.consistency import common_variance_px2, find_outliers
 from pipelines.pnp.covariance import pose_covariance, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
@@ -69,12 +69,14 @@ def solve_match(
     problem = _problem(camera, markers, match, options)
     pose = solve_pose(problem, start, options.solver).pose
     while options.verify:
-        worst = worst_outlier(problem.subset(used), pose, options.outlier_sigmas)
-        if worst is None:
+        outliers = find_outliers(
+            problem.subset(used), pose, options.outlier_sigmas, options.solver
+        )
+        if not outliers:
             break
-        if used.sum() <= options.min_markers:
+        if used.sum() - len(outliers) < options.min_markers:
             return f"the {len(match)} matched markers do not agree with one pose"
-        used[np.flatnonzero(used)[worst]] = False
+        used[np.flatnonzero(used)[list(outliers)]] = False
         pose = solve_pose(problem.subset(used), pose, options.solver).pose
     if options.verify:
         match, pose = _reweighted(camera, markers, match, used, pose, options)
