@@ -18,9 +18,13 @@ from bench.stretch import stretch
 from models.arrays import AnyArray, Floats
 
 DETECTION_RED = (255, 77, 64)
+LEFT_OUT_RED = (150, 62, 56)
 REPROJECTION_GREEN = (74, 222, 96)
 TRUTH_CYAN = (70, 214, 255)
-LEGEND = "red circle: detected; green diamond: reprojected; cyan ticks: truth"
+LEGEND = (
+    "red circle: detected (small and dim: matched to no marker); green diamond: reprojected; "
+    "cyan ticks: truth"
+)
 SUBPIXEL_BITS = 4
 
 
@@ -73,8 +77,10 @@ def _draw_marks(picture: NDArray[np.uint8], record: FrameRecord, scale: float) -
             _diamond(picture, at(pixel), 1.55 * reach, REPROJECTION_GREEN)
             _label(picture, str(name), at(pixel) + np.array([1.6, -1.3]) * reach)
     if record.estimate is not None:
-        for pixel in record.estimate.detections.points_px:
-            _circle(picture, at(pixel), 0.9 * reach, DETECTION_RED)
+        found = record.estimate.detections
+        for pixel, marker in zip(found.points_px, found.marker, strict=True):
+            colour = DETECTION_RED if marker >= 0 else LEFT_OUT_RED
+            _circle(picture, at(pixel), (0.9 if marker >= 0 else 0.6) * reach, colour)
 
 
 def _fixed(point: AnyArray) -> tuple[int, int]:
@@ -82,13 +88,19 @@ def _fixed(point: AnyArray) -> tuple[int, int]:
     return int(x), int(y)
 
 
+def _stroke(picture: Any) -> int:
+    return max(1, round(picture.shape[1] / 800))
+
+
 def _line(picture: Any, start: AnyArray, end: AnyArray, colour: tuple[int, int, int]) -> None:
-    cv2.line(picture, _fixed(start), _fixed(end), colour, 1, cv2.LINE_AA, SUBPIXEL_BITS)
+    width = _stroke(picture)
+    cv2.line(picture, _fixed(start), _fixed(end), colour, width, cv2.LINE_AA, SUBPIXEL_BITS)
 
 
 def _circle(picture: Any, centre: Floats, radius: float, colour: tuple[int, int, int]) -> None:
     size = round(radius * 2**SUBPIXEL_BITS)
-    cv2.circle(picture, _fixed(centre), size, colour, 1, cv2.LINE_AA, SUBPIXEL_BITS)
+    width = _stroke(picture)
+    cv2.circle(picture, _fixed(centre), size, colour, width, cv2.LINE_AA, SUBPIXEL_BITS)
 
 
 def _diamond(picture: Any, centre: Floats, radius: float, colour: tuple[int, int, int]) -> None:
@@ -107,6 +119,10 @@ def _ticks(
 def _label(picture: Any, text: str, corner: Floats) -> None:
     place = (round(corner[0]), round(corner[1]))
     size = max(0.35, 0.00042 * picture.shape[1])
-    cv2.putText(
-        picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, REPROJECTION_GREEN, 1, cv2.LINE_AA
-    )
+    for colour, width in (
+        ((0, 0, 0), 3 * _stroke(picture)),
+        (REPROJECTION_GREEN, _stroke(picture)),
+    ):
+        cv2.putText(
+            picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, colour, width, cv2.LINE_AA
+        )

@@ -7,14 +7,14 @@ import numpy as np
 from models.arrays import AnyArray, Floats
 from models.sensor import Detector
 
-SOFTENING = 0.02
-STRETCH = "asinh stretch: linear below 2 % of full well, logarithmic above, black at the bias"
+SOFTENING = 0.005
+STRETCH = "asinh stretch: linear below 0.5 % of full well, logarithmic above, black at the bias"
 
 
 def stretch(signal_dn: AnyArray, detector: Detector) -> Floats:
     """Return grey levels in [0, 1] of a signal in DN above the bias.
 
-    ``asinh(x / 0.02) / asinh(1 / 0.02)``, x being the share of full well; below zero is black.
+    ``asinh(x / 0.005) / asinh(1 / 0.005)``, x being the share of full well; below zero is black.
     """
     full_dn = detector.saturation_dn - detector.bias_dn
     share = np.clip(np.asarray(signal_dn, dtype=np.float64) / full_dn, 0.0, 1.0)

@@ -38,6 +38,7 @@ STYLE: Any = {
 }
 FEW = 80  # up to so many frames each is a dot of its own
 ROBUST_PERCENT = 97.0
+MOST_TIMES_BEST = 5.0  # no variant's errors may make a panel so wide that best is a line in it
 Score = dict[str, Any]
 
 
@@ -127,12 +128,14 @@ def markers_figure(score: Score) -> str:
 
 def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: int) -> None:
     error_key, sigma_key, bound_key = keys
-    reach = 0.0
+    own, others = 0.0, 0.0
     for variant in _ordered(score):
         frames = score["pipelines"][variant]["per_frame"]
         time_s, error = _column(frames, "time_s"), _column(frames, error_key, axis)
         colour = COLOURS.get(variant, OTHER)
         sizes = np.abs(error[np.isfinite(error)])
+        if len(sizes):
+            others = max(others, float(np.percentile(sizes, ROBUST_PERCENT)))
         if variant == "best" or len(score["pipelines"]) == 1:
             stated = 3.0 * _column(frames, sigma_key, axis)
             bound = 3.0 * _column(frames, bound_key, axis)
@@ -142,16 +145,14 @@ def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: in
             )  # fmt: skip
             panel.plot(time_s, bound, "--", color=INK, lw=0.9, label="3 sigma of the bound")
             panel.plot(time_s, -bound, "--", color=INK, lw=0.9)
-            sizes = np.concatenate([sizes, bound[np.isfinite(bound)]])
-        if len(sizes):
-            reach = max(reach, float(np.percentile(sizes, ROBUST_PERCENT)))
+            own = float(np.max([*sizes, *bound[np.isfinite(bound)]], initial=0.0))
         many = len(frames) > FEW
         panel.plot(
             time_s, error, "-" if many else "o-", color=colour, ms=3.2, lw=0.8 if many else 1.1,
             label=f"error, {variant}",
         )  # fmt: skip
     panel.axhline(0.0, color="#8a97a3", lw=0.7)
-    _limit(panel, reach)
+    _limit(panel, max(own, min(others, MOST_TIMES_BEST * own)))
     for variant in _ordered(score):
         _mark_beyond(panel, score["pipelines"][variant]["per_frame"], variant, (error_key, axis))
 

@@ -16,6 +16,7 @@ MOST_FRAMES = 12
 FRAME_WIDTH_PX = 760
 HERO_WIDTH_PX = 1200
 QUALITY = 82
+LARGEST_EXCESS = 1.3
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,18 @@ def picture(record: FrameRecord, width_px: int = FRAME_WIDTH_PX) -> Picture:
     if record.truth is not None:
         words.append(f"{np.linalg.norm(record.truth.cam_from_target.translation):.2f} m")
     return Picture(
-        source=jpeg(overlay(record, min(width_px, record.frame.image_850.shape[1]))),
+        source=jpeg(overlay(record, _fitting_width(record.frame.image_850.shape[1], width_px))),
         title=" · ".join(words),
         verdict=record.verdict,
         lost=not record.estimate,
     )
+
+
+def _fitting_width(image_px: int, wanted_px: int) -> int:
+    """Return the width wanted, or for a smaller image a whole multiple of its own near it."""
+    if image_px >= wanted_px:
+        return wanted_px
+    return image_px * max(1, int(LARGEST_EXCESS * wanted_px / image_px))
 
 
 def jpeg(image: NDArray[np.uint8]) -> str:

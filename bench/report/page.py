@@ -69,6 +69,7 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
     published = published_case(info.target, info.sun)
     std_px = None if published is None else published.centroid_std_px
     variants = tables.variants_of(score)
+    scenario = _scenario(folder)
     ranges = [row["range_m"] for row in headline["per_frame"]]
     return {
         "info": info,
@@ -93,7 +94,8 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
             "centroid": _address(figures.centroid_figure(score, std_px)),
             "markers": _address(figures.markers_figure(score)),
         },
-        "scenario": _scenario(folder),
+        "scenario": scenario,
+        "calibration": _calibration(scenario),
         "fingerprint": dataset_fingerprint(folder),
         "folder": folder.name,
     }
@@ -119,7 +121,7 @@ def _cards(headline: dict[str, Any]) -> list[Card]:
              f"95 % below {number(attitude['p95'])} deg"),
         Card(number(max(std_px)) if std_px else number(None), "px", "centroid noise, worse axis",
              f"{headline['centroid_error_px']['count']} centroids"),
-        Card(number(efficiency), "× bound", "position error over Cramér–Rao",
+        Card(number(efficiency), "× bound", "position, over Cramér–Rao",
              "1 is the best there is"),
         Card(found, "frames", "with a pose", f"{lost['missed'] or 'none'} missed"),
     ]  # fmt: skip
@@ -134,6 +136,17 @@ def _scenario(folder: Path) -> dict[str, dict[str, Any]]:
     single = {key: value for key, value in table.items() if not isinstance(value, dict)}
     nested = {key: value for key, value in table.items() if isinstance(value, dict)}
     return {"scenario": single, **nested}
+
+
+def _calibration(scenario: dict[str, dict[str, Any]]) -> str:
+    """Say how far the camera was calibrated wrong."""
+    table = scenario.get("calibration")
+    if table is None:
+        return "what ours carry is not on record"
+    focal, centre = table["sigma_focal_px"], table["sigma_principal_point_px"]
+    if focal == 0.0 and centre == 0.0:
+        return "ours are calibrated exactly"
+    return f"ours carry {focal:g} px in focal length and {centre:g} px in principal point"
 
 
 def _address(svg: str) -> str:

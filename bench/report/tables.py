@@ -58,7 +58,8 @@ MEANINGS = {
     "solver kept.",
     "position / bound": "Root mean square position error over the Cramer-Rao bound, for the "
     "centroid noise measured at that range and the markers used; 1 is the best that an unbiased "
-    "estimator can do. All runs.",
+    "estimator can do. All runs. A pose from fewer than three true matches has no bound and is "
+    "left out; it shows in the errors above.",
     "attitude / bound": "The same for the rotation vector.",
     "NEES": "Mean of e'P⁻¹e / 6 with the covariance that the pipeline states: 1 is honest, above "
     "is overconfident. In brackets where it falls 95 times in 100 if the errors of different "
@@ -105,12 +106,18 @@ def _headline(score: Score) -> list[str]:
         share(detection["precision"]),
         share(detection["recall"]),
         f"{detection['mismatches']} ({detection['mismatches_used']})",
-        number(efficiency["position"]),
-        number(efficiency["attitude"]),
+        _with_count(efficiency["position"], score),
+        _with_count(efficiency["attitude"], score),
         f"{number(nees['mean'])} ({bounds[0]} to {bounds[1]})" if nees["bounds"] else NONE,
         _unit(number(runtime["median"]), "ms"),
         _unit(number(runtime["p95"]), "ms"),
     ]
+
+
+def _with_count(ratio: float | None, score: Score) -> str:
+    """Write an efficiency, and of how many poses it is if some have no bound."""
+    bounded, poses = score["efficiency"]["frames"], score["pooled"]["estimated"]
+    return number(ratio) if bounded == poses else f"{number(ratio)} ({bounded} of {poses} poses)"
 
 
 def published_table(score: Score, published: PublishedCase | None) -> Table:

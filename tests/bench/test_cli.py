@@ -1,0 +1,260 @@
+"""The command line: exit codes, and the messages that a user meets, word for word.
+
+The messages are kept in ``error_messages.json``; ``RVBENCH_UPDATE_SNAPSHOTS=1 pytest`` writes them
+anew, for the difference to be read in review.
+"""
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from bench import cli, verbs
+from bench.cli import main
+from tests.support.synthetic_dataset import lost_estimate, write_variant
+
+SNAPSHOTS = Path(__file__).with_name("error_messages.json")
+HOUSE = Path(cli.__file__).parent.parent
+UPDATE = "RVBENCH_UPDATE_SNAPSHOTS" in os.environ
+
+
+@pytest.fixture
+def folder(scored_dataset, tmp_path) -> Path:
+    """Return a copy of the scored dataset that a test may spoil."""
+    copy = tmp_path / "DIR"
+    shutil.copytree(scored_dataset.folder, copy)
+    return copy
+
+
+def test_help_teaches_with_examples(capsys):
+    for name in cli.VERBS:
+        assert main([name, "--help"]) == 0
+        told = capsys.readouterr().out
+        assert told.startswith(f"usage: rvbench {name}")
+        assert f"rvbench {name} " in told.removeprefix("usage: ") or name in ("list", "doctor")
+    assert main(["--help"]) == 0
+    told = capsys.readouterr().out
+    assert all(name in told for name in cli.VERBS)
+    assert "Exit codes: 0 done, 1 worse than asked, 2 could not run" in told
+
+
+def test_examples_of_the_help_can_be_typed():
+    """Every example that a verb's help shows is parsed by that verb."""
+    examples = [
+        line.split()[1:]
+        for verb in cli.VERBS.values()
+        for line in (verb.__doc__ or "").splitlines()
+        if line.strip().startswith("rvbench ")
+    ]
+    assert len(examples) >= 8
+    for arguments in examples:
+        assert isinstance(cli.parse(arguments), cli.VERBS[arguments[0]])
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        (["run", "maxar-demo", "--out", "o", "--son", "S2"], "--sun"),
+        (["score", "DIR", "--fail-above", "1"], "--fail-above-mm"),
+        (["estimate", "DIR", "--detecter", "d.toml"], "--detector"),
+    ],
+)
+def test_a_mistyped_option_suggests_the_right_one(typed, meant, capsys):
+    assert main(typed) == 2
+    assert meant in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("typed", [[], ["rum"], ["run"], ["run", "x"], ["show", "DIR", "two"]])
+def test_what_cannot_be_parsed_is_code_2(typed, capsys):
+    assert main(typed) == 2
+    assert capsys.readouterr().err
+
+
+def test_options_reach_the_rendering():
+    typed = (
+        "run maxar-demo --out o --sun -1,0,0 --rate-hz 0.1 --span-s 20 40 --width 1024 --spp 16 "
+        "--variant scalar --seeds 3 --store s --threads 2"
+    )
+    verb = cli.parse(typed.split())
+    assert verb.options() == {
+        "sun": "-1,0,0", "rate_hz": 0.1, "start_s": 20.0, "end_s": 40.0, "width": 1024, "spp": 16,
+        "variant": "scalar", "store": Path("s"), "threads": 2,
+    }  # fmt: skip
+    assert (verb.case, verb.out, verb.seeds) == ("maxar-demo", Path("o"), 3)
+
+
+def test_score_report_show(folder, capsys):
+    assert main(["score", str(folder)]) == 0
+    told = capsys.readouterr().out
+    assert "position error, median" in told
+    assert f"score: {folder / 'score.json'}" in told.replace("\n", "")
+    assert main(["report", str(folder)]) == 0
+    assert "report.html" in capsys.readouterr().out
+    out = folder / "frame.png"
+    assert main(["show", str(folder), "1", "--variant", "paper", "--out", str(out)]) == 0
+    assert cv2.imread(str(out)).shape[2] == 3
+    assert main(["show", str(folder), "2"]) == 0
+    assert (folder / "show" / "000002_best.png").is_file()
+
+
+def test_estimate_a_dataset_and_image_pairs(folder, tmp_path):
+    shutil.rmtree(folder / "estimates")
+    assert main(["estimate", str(folder)]) == 0
+    assert (folder / "estimates" / "best.jsonl").is_file()
+    pairs = f"--frames {folder / 'frames'} --camera {folder / 'camera.toml'}".split()
+    detector = ["--detector", str(folder / "detector.toml"), "--rate-hz", "0.1"]
+    assert main(["estimate", *pairs, *detector, "--out", str(tmp_path / "mine")]) == 0
+    mine = (tmp_path / "mine" / "estimates" / "best.jsonl").read_bytes()
+    assert mine == (folder / "estimates" / "best.jsonl").read_bytes()
+
+
+def test_list(capsys):
+    assert main(["list"]) == 0
+    told = capsys.readouterr().out
+    for name in ("maxar-demo", "maxar-approach", "chaser_fixed", "maxar1300", "S4"):
+        assert name in told
+
+
+def test_worse_than_asked_is_code_1(folder, capsys):
+    assert main(["score", str(folder), "--fail-above-mm", "5"]) == 0
+    assert main(["score", str(folder), "--fail-above-mm", "0.0001"]) == 1
+    assert "worse than asked: best has a 95th percentile of" in capsys.readouterr().out
+
+
+def test_a_missed_frame_is_worse_than_any_limit(scored_dataset, folder, capsys):
+    moved = type(scored_dataset)(**{**vars(scored_dataset), "folder": folder})
+    write_variant(moved, "best", lost_estimate)
+    assert main(["score", str(folder), "--fail-above-mm", "1000"]) == 1
+    assert "no pose at all" in capsys.readouterr().out
+
+
+def test_swapped_images_are_no_pose_with_a_reason(folder):
+    for frame in range(4):
+        first, second = (folder / "frames" / f"{frame:06d}_{band}.png" for band in (800, 850))
+        spare = folder / "spare.png"
+        first.rename(spare)
+        second.rename(first)
+        spare.rename(second)
+    assert main(["estimate", str(folder)]) == 0
+    assert main(["score", str(folder)]) == 0
+    lost = json.loads((folder / "score.json").read_text())["pipelines"]["best"]["lost"]
+    assert lost["count"] == lost["missed"] == 4
+    assert "the two images are swapped" in next(iter(lost["reasons"]))
+
+
+def test_interrupted_says_what_is_kept(monkeypatch, capsys):
+    def interrupt(_: object) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(verbs.List, "run", interrupt)
+    assert main(["list"]) == 130
+    assert "every file written so far is whole and kept" in capsys.readouterr().err
+
+
+def test_a_fault_of_ours_is_code_2_with_a_traceback(monkeypatch, capsys):
+    def stumble(_: object) -> int:
+        raise ZeroDivisionError("a fault")
+
+    monkeypatch.setattr(verbs.List, "run", stumble)
+    assert main(["list"]) == 2
+    told = capsys.readouterr().err
+    assert "ZeroDivisionError: a fault" in told
+    assert "this is a fault of rvbench itself" in told
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:500])
+
+
+def replace(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def nothing(_: Path) -> None:
+    """Spoil nothing: the arguments alone are wrong."""
+
+
+def shrink(path: Path) -> None:
+    cv2.imwrite(str(path), np.zeros((64, 64), np.uint16))
+
+
+BAD_INPUT: dict[str, tuple[Callable[[Path], object], str]] = {
+    "no such case": (nothing, "run maxar-dema --out OUT"),
+    "no such scenario file": (nothing, "run absent.toml --out OUT"),
+    "a Sun of zero length": (nothing, "run maxar-demo --sun 0,0,0 --out OUT"),
+    "no such Sun": (nothing, "run maxar-demo --sun S9 --out OUT"),
+    "samples that are no square": (nothing, "render maxar-demo --spp 5 --out OUT"),
+    "a span that ends before it starts": (nothing, "render maxar-demo --span-s 9 3 --out OUT"),
+    "no seeds": (nothing, "run maxar-demo --seeds 0 --out OUT"),
+    "no dataset": (nothing, "estimate OUT"),
+    "a dataset of another version": (
+        lambda d: replace(d / "dataset.json", '"version": 1', '"version": 99'), "estimate DIR"),
+    "no dataset.json": (lambda d: (d / "dataset.json").unlink(), "estimate DIR"),
+    "a missing frame": (lambda d: (d / "frames/000001_800.png").unlink(), "estimate DIR"),
+    "a truncated frame": (lambda d: cut(d / "frames/000001_850.png"), "estimate DIR"),
+    "a frame of another size": (lambda d: [shrink(d / f"frames/000001_{band}.png")
+                                           for band in (800, 850)], "estimate DIR"),
+    "a broken camera": (
+        lambda d: replace(d / "camera.toml", "fx = ", "focal = "), "estimate DIR"),
+    "a broken prior": (
+        lambda d: replace(d / "prior.toml", "euler_321_deg", "euler_deg"), "estimate DIR"),
+    "neither dataset nor pairs": (nothing, "estimate"),
+    "both dataset and pairs": (nothing, "estimate DIR --frames DIR/frames"),
+    "pairs without a camera": (nothing, "estimate --frames DIR/frames"),
+    "pairs without a prior": (
+        lambda d: (d / "prior.toml").unlink(),
+        "estimate --frames DIR/frames --camera DIR/camera.toml"),
+    "pairs of no known target": (
+        nothing, "estimate --frames DIR/frames --camera DIR/camera.toml --target maxar1400"),
+    "no estimates": (lambda d: shutil.rmtree(d / "estimates"), "score DIR"),
+    "no truth": (lambda d: shutil.rmtree(d / "truth"), "score DIR"),
+    "a broken estimate": (lambda d: cut(d / "estimates/best.jsonl"), "score DIR"),
+    "no score": (lambda d: (d / "score.json").unlink(), "report DIR"),
+    "no such frame": (nothing, "show DIR 77"),
+    "a folder that cannot be written": (
+        lambda d: [(d / "score.json").unlink(), (d / "score.json").mkdir()], "score DIR"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD_INPUT)
+def test_bad_input_gets_one_clear_message(case, folder, tmp_path, capsys, monkeypatch):
+    """One message, exit code 2, no traceback; the words are those on record."""
+    spoil, command = BAD_INPUT[case]
+    spoil(folder)
+    monkeypatch.chdir(tmp_path)
+    assert main(command.split()) == 2
+    told = capsys.readouterr().err
+    message = told[told.index("rvbench: ") :].strip()
+    assert "Traceback" not in told
+    assert "\n" not in message
+    compare_with_snapshot(case, lasting(message, tmp_path))
+
+
+def lasting(message: str, tmp_path: Path) -> str:
+    """Take out of a message what differs from run to run: folders, process numbers, sizes."""
+    message = message.replace(str(tmp_path), "TMP").replace(str(HOUSE), "HOUSE")
+    return re.sub(r"\(\d+ bytes\)", "(N bytes)", re.sub(r"\.\d+\.part", ".N.part", message))
+
+
+def compare_with_snapshot(case: str, message: str) -> None:
+    snapshots = json.loads(SNAPSHOTS.read_text()) if SNAPSHOTS.is_file() else {}
+    if UPDATE:
+        snapshots[case] = message
+        kept = {key: snapshots[key] for key in BAD_INPUT if key in snapshots}
+        SNAPSHOTS.write_text(json.dumps(kept, indent=1) + "\n")
+    assert message == snapshots.get(case)
+
+
+def test_nothing_rendered_is_lost_when_estimating_fails(folder):
+    cut(folder / "frames" / "000003_850.png")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert main(["estimate", str(folder)]) == 2
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before

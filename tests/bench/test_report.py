@@ -1,0 +1,187 @@
+"""The report holds what it must, opens offline, and knows what it has no number for."""
+
+import re
+import shutil
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from bench import api
+from bench.report.filmstrip import MOST_FRAMES, chosen
+from bench.report.numbers import number, numbers, share
+from bench.report.tables import MEANINGS
+from models.errors import DatasetError
+from tests.support.synthetic_dataset import (
+    lost_estimate,
+    perfect_estimate,
+    write_dataset,
+    write_variant,
+)
+
+LARGEST_BYTES = 6_000_000
+REFERENCES = {"src", "href", "srcset", "data", "action", "poster", "background"}
+
+
+class Page(HTMLParser):
+    """What a browser would fetch, and the text that a reader sees."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self.tags: list[str] = []
+        self.words: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.fetched += [value for key, value in attrs if key in REFERENCES and value]
+
+    def handle_data(self, data):
+        if self.tags[-1:] != ["style"]:
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def page(scored_dataset) -> Page:
+    return Page((scored_dataset.folder / "report.html").read_text())
+
+
+def test_nothing_is_fetched(page, scored_dataset):
+    assert page.fetched
+    assert all(address.startswith(("data:", "#")) for address in page.fetched)
+    assert {"script", "link", "iframe"}.isdisjoint(page.tags)
+    text = (scored_dataset.folder / "report.html").read_text()
+    assert not re.search(r"@import|url\(\s*['\"]?(?!data:)", text)
+    assert "http://" not in text
+    assert "https://" not in text
+
+
+def test_it_is_small(scored_dataset):
+    assert (scored_dataset.folder / "report.html").stat().st_size < LARGEST_BYTES
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        "maxar-demo under Sun S2",
+        "4 image pairs of 512 × 512",
+        "The two variants on the same frames",
+        "Beside the paper",
+        "Opromolla et al. 2022, 100 runs",
+        "are statistics of the mean error over the runs",
+        "Pose error against time",
+        "Centroid error against time",
+        "Markers",
+        "Frames without a pose None.",
+        "By range",
+        "What was run",
+        "sha256",
+        "asinh",
+        "What each number means",
+    ],
+)
+def test_parts(page, part):
+    assert part.lower() in page.text.lower()
+
+
+def test_every_term_is_explained(page):
+    for term, meaning in MEANINGS.items():
+        assert page.text.count(term) >= 2
+        assert meaning in page.text
+
+
+def test_pictures(page):
+    pictures = [address for address in page.fetched if address.startswith("data:image/jpeg")]
+    figures = [address for address in page.fetched if address.startswith("data:image/svg")]
+    assert len(pictures) == 1 + 4  # the large one, and the filmstrip
+    assert len(figures) == 3
+
+
+def test_the_papers_numbers_stand_beside_ours(page):
+    """Table 12, S2: sigma_N of tz is 0.056 cm; Table 13: centroids 0.075 px in u."""
+    assert "0.56" in page.text
+    assert "0.0750" in page.text
+
+
+def test_the_same_score_gives_the_same_bytes(scored_dataset):
+    path = scored_dataset.folder / "report.html"
+    before = path.read_bytes()
+    api.report(scored_dataset.folder)
+    assert path.read_bytes() == before
+
+
+def test_lost_frames_and_a_sun_of_no_paper(tmp_path):
+    """A dataset with nothing but lost frames still has a report; unknown numbers are dashes."""
+    dataset = write_dataset(tmp_path / "data", frames=2, sun="0,0,1", width_px=128)
+    write_variant(dataset, "best", lambda truth: lost_estimate(truth, "blinded by <the Sun>"))
+    api.score(dataset.folder)
+    page = Page(api.report(dataset.folder).read_text())
+    assert "0 of 2" in page.text
+    assert "2 missed" in page.text
+    assert "blinded by <the Sun>" in page.text
+    assert "No paper reports this Sun" in page.text
+
+
+def test_one_frame_and_one_variant(tmp_path):
+    dataset = write_dataset(tmp_path / "data", frames=1, width_px=128)
+    write_variant(dataset, "paper", perfect_estimate)
+    api.score(dataset.folder)
+    assert "1 of 1" in Page(api.report(dataset.folder).read_text()).text
+
+
+def test_a_report_wants_a_score(scored_dataset, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(scored_dataset.folder, copy)
+    (copy / "score.json").unlink()
+    with pytest.raises(DatasetError, match="run `rvbench score"):
+        api.report(copy)
+
+
+@pytest.mark.parametrize(
+    ("frames", "wanted"), [(0, []), (1, []), (3, [1]), (12, []), (100, []), (100, [50, 51])]
+)
+def test_the_filmstrip_holds_the_ends_and_what_is_wanted(frames, wanted):
+    strip = chosen(list(range(frames)), wanted)
+    assert strip == sorted(set(strip))
+    assert len(strip) == min(frames, MOST_FRAMES)
+    assert set(wanted) <= set(strip)
+    assert {0, frames - 1} <= set(strip) or frames == 0
+
+
+def test_the_filmstrip_is_spread_evenly():
+    assert set(np.diff(chosen(list(range(100)), []))) == {9}
+
+
+def test_many_lost_frames_leave_room_for_others():
+    strip = chosen(list(range(100)), list(range(40, 60)))
+    assert len(strip) == MOST_FRAMES
+    assert strip[0] == 0
+    assert strip[-1] == 99
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.012345, "0.0123"),
+        (1.0, "1.00"),
+        (-3.14159, "−3.14"),
+        (1234.5, "1234"),
+        (0.0, "0"),
+        (None, "–"),
+        (9.999e-8, "0"),
+    ],
+)
+def test_numbers(value, text):
+    assert number(value) == text
+
+
+def test_numbers_in_a_row():
+    assert numbers([1.0, -2.0, 3.0], 2, signed=True) == ["+1.0", "−2.0", "+3.0"]
+    assert numbers(None) == ["–", "–", "–"]
+    assert share(0.98765) == "98.77 %"
+    assert share(None) == "–"

@@ -1,0 +1,97 @@
+"""The wall between what a pipeline gets and what is true, tried from outside.
+
+A subprocess estimates a dataset whose truth is deleted: the estimates are the same to the byte,
+nothing of the renderer was loaded, and, where truth is there, nothing of it was opened.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.synthetic_dataset import write_dataset
+
+HOUSE = Path(__file__).resolve().parents[2]
+VARIANTS = ("paper", "best")
+
+# Runs a command of rvbench and prints, last, what was loaded and which truths were opened.
+WATCHED = """
+import json, sys
+opened = []
+def watch(event, arguments):
+    if event == "open" and isinstance(arguments[0], (str, bytes)):
+        opened.append(str(arguments[0]))
+sys.addaudithook(watch)
+from bench.cli import main
+code = main(sys.argv[1:])
+roots = {name.split(".")[0] for name in sys.modules}
+print(json.dumps({"code": code, "loaded": sorted(roots), "opened": opened}))
+"""
+
+
+def watched(*arguments: str) -> dict:
+    result = subprocess.run(
+        [sys.executable, "-c", WATCHED, *arguments],
+        cwd=HOUSE,
+        env={**os.environ, "PYTHONPATH": str(HOUSE)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert result.returncode == 0, result.stderr
+    return json.loads(result.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> tuple[Path, dict]:
+    """Return a dataset with both halves, estimated, and what estimating it did."""
+    folder = tmp_path_factory.mktemp("wall") / "whole"
+    write_dataset(folder, frames=3)
+    return folder, watched("estimate", str(folder))
+
+
+def test_estimating_loads_no_renderer_and_opens_no_truth(whole):
+    folder, did = whole
+    assert did["code"] == 0
+    assert {"renders", "mitsuba", "drjit"}.isdisjoint(did["loaded"])
+    assert "pipelines" in did["loaded"]
+    assert any(str(folder / "frames") in path for path in did["opened"])
+    assert not [path for path in did["opened"] if "truth" in Path(path).parts]
+
+
+def test_without_truth_the_estimates_are_the_same_to_the_byte(whole, tmp_path):
+    folder, _ = whole
+    blind = tmp_path / "blind"
+    shutil.copytree(folder, blind)
+    shutil.rmtree(blind / "truth")
+    shutil.rmtree(blind / "estimates")
+    did = watched("estimate", str(blind))
+    assert did["code"] == 0
+    assert {"renders", "mitsuba", "drjit"}.isdisjoint(did["loaded"])
+    for variant in VARIANTS:
+        name = f"{variant}.jsonl"
+        said = (blind / "estimates" / name).read_bytes()
+        assert said == (folder / "estimates" / name).read_bytes()
+        assert said.count(b'"status": "pose"') == 3
+
+
+@pytest.mark.parametrize("verb", ["score", "report", "show"])
+def test_scoring_reporting_and_showing_load_no_mitsuba(whole, verb):
+    folder, _ = whole
+    if verb == "report":
+        watched("score", str(folder))
+    did = watched(verb, str(folder), *(["0"] if verb == "show" else []))
+    assert did["code"] == 0
+    assert {"mitsuba", "drjit"}.isdisjoint(did["loaded"])
+    assert [path for path in did["opened"] if "truth" in Path(path).parts]
+
+
+def test_the_watch_sees_what_it_watches_for(whole):
+    """The test above, tested: rendering's rooms do show when they are loaded."""
+    did = watched("list")
+    assert "renders" in did["loaded"]
