@@ -141,7 +141,7 @@ class ChaserFixedOptions:
     verify: bool = False
     psf_sigma_px: float = 0.5
     psf_tolerance_px: float = 0.25
-    centroid_floor_px: float = 0.002
+    centroid_floor_px: float = 0.001
     centroid_sigma_px: float = 0.077
     outlier_sigmas: float = 5.5
     max_misfit: float = 0.12
@@ -171,7 +171,7 @@ class ChaserFixedOptions:
             )
 
 
-PAPER = ChaserFixedOptions(min_markers=3, max_residual_radii=6.0)
+PAPER = ChaserFixedOptions(min_markers=3, max_residual_radii=4.0)
 BEST = ChaserFixedOptions(
     variant="best",
     threshold_rule="per_blob",

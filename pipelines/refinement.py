@@ -41,12 +41,10 @@ class FittedMarkers:
 
 def _believable(fit: DiscFit, radius_px: float, options: ChaserFixedOptions) -> bool:
     """Refuse what is faint, cut, of another size, or elsewhere."""
-    # What noise alone explains is no misfit of shape.
-    shape_misfit = fit.misfit * np.sqrt(max(1.0 - 1.0 / max(fit.misfit_chi2, 1e-9), 0.0))
     reach = max(2.0, FURTHEST_RADII * radius_px)
     return bool(
         fit.parameters.height_dn > LEAST_HEIGHT_SIGMAS * fit.height_sigma_dn
-        and shape_misfit < options.max_misfit
+        and fit.shape_misfit < options.max_misfit
         and SIZE_LIMITS[0] < fit.parameters.size < SIZE_LIMITS[1]
         and np.hypot(*fit.parameters.centre_px) < reach
     )

@@ -4,7 +4,7 @@ The disc's outline is known from the pose; the rest of ``detection.disc_model`` 
 signed difference of the pair, every pixel weighted by the detector's own noise. Against a weighted
 centroid (equation 6) this is not pulled by lamp fall-off across the disc, nor by the threshold;
 pixels that saturate are simply left out, and what the fit cannot explain (a cut, a shadow's edge)
-shows in its misfit and widens the covariance.
+shows in the misfit of its shape and widens the covariance.
 """
 
 from __future__ import annotations
@@ -24,6 +24,9 @@ WORSE = 1.0 + 1e-6  # growth of the cost that is not rounding
 LONGEST_STEP_PX = 1.0
 SIZE_TOLERANCE = 0.05  # 1-sigma of the predicted radius, relative
 CROSSTALK_TOLERANCE = 0.1  # 1-sigma of the share that neighbours exchange
+SIGNIFICANT = 4.0  # sigmas of chi-square above which a misfit is one of shape
+# How far a cut that leaves a misfit of 1 pulls the centre (measured by cutting discs from a side).
+PULL_PX, PULL_PX3 = 2.8, 18.0
 MIN_PIXELS = 2 * PARAMETERS
 
 
@@ -55,16 +58,16 @@ class DiscFit:
     covariance_px2 : (2, 2) array, px^2
         Of the centre, from the detector's noise, widened by the misfit.
     height_sigma_dn : float, DN
-    misfit : float
-        Root mean square of what the fit leaves, over the height.
+    shape_misfit : float
+        Root mean square of what neither disc nor noise explains, over the height.
     misfit_chi2 : float
-        The same over the noise, squared: the reduced chi-square.
+        Reduced chi-square of all that the fit leaves.
     """
 
     parameters: DiscParameters
     covariance_px2: Floats
     height_sigma_dn: float
-    misfit: float
+    shape_misfit: float
     misfit_chi2: float
 
 
@@ -224,21 +227,27 @@ def fit_disc(
             break
         shorten = min(1.0, LONGEST_STEP_PX / length)
         parameters = parameters.moved(shorten * accepted.step)
-    return None if accepted is None else _summary(accepted, window.usable)
+    return None if accepted is None else _summary(accepted, window.usable, radius)
 
 
-def _summary(last: _Accepted, usable: Mask) -> DiscFit | None:
+def _summary(last: _Accepted, usable: Mask, radius: float) -> DiscFit | None:
     left, weight = last.residual[usable], last.weight[usable]
     freedom = max(len(left) - PARAMETERS, 1)
     misfit_chi2 = float(np.sum(weight * left**2)) / freedom
-    covariance = last.covariance[:2, :2] * max(1.0, misfit_chi2)
     height = last.parameters.height_dn
-    if height <= 0.0 or not np.isfinite(misfit_chi2) or np.linalg.eigvalsh(covariance)[0] <= 0.0:
+    noise = last.covariance[:2, :2]
+    if height <= 0.0 or not np.isfinite(misfit_chi2) or np.linalg.eigvalsh(noise)[0] <= 0.0:
         return None
+    shape_misfit = 0.0
+    if misfit_chi2 > 1.0 + SIGNIFICANT * np.sqrt(2.0 / freedom):
+        # What noise alone explains is no misfit of shape.
+        left_over = float(np.mean(left**2)) * (1.0 - 1.0 / misfit_chi2)
+        shape_misfit = float(np.sqrt(left_over)) / height
+    pull_px = shape_misfit * (PULL_PX + PULL_PX3 / radius**2)
     return DiscFit(
         parameters=last.parameters,
-        covariance_px2=0.5 * (covariance + covariance.T),
+        covariance_px2=0.5 * (noise + noise.T) + pull_px**2 * np.eye(2),
         height_sigma_dn=float(np.sqrt(last.covariance[5, 5])),
-        misfit=float(np.sqrt(np.mean(left**2))) / height,
+        shape_misfit=shape_misfit,
         misfit_chi2=misfit_chi2,
     )

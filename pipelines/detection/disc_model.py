@@ -123,7 +123,7 @@ def disc_model(
         [
             -brightness * by_x - ramp_x * edge.value,
             -brightness * by_y - ramp_y * edge.value,
-            brightness * edge.by_depth * radius,
+            brightness * edge.by_depth / slope,
             brightness * edge.by_blur,
             edge.value,
             x * edge.value + variance * by_x,

@@ -69,9 +69,7 @@ def solve_match(
     problem = _problem(camera, markers, match, options)
     pose = solve_pose(problem, start, options.solver).pose
     while options.verify:
-        outliers = find_outliers(
-            problem.subset(used), pose, options.outlier_sigmas, options.solver
-        )
+        outliers = find_outliers(problem.subset(used), pose, options.outlier_sigmas, options.solver)
         if not outliers:
             break
         if used.sum() - len(outliers) < options.min_markers:
