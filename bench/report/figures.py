@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 
 from models.arrays import Floats
 
@@ -37,6 +38,7 @@ STYLE: Any = {
     "svg.hashsalt": "rvbench",
 }
 FEW = 80  # up to so many frames each is a dot of its own
+RASTER_DPI = 130  # of what is too many points for lines
 ROBUST_PERCENT = 97.0
 MOST_TIMES_BEST = 5.0  # no variant's errors may make a panel so wide that best is a line in it
 Score = dict[str, Any]
@@ -80,11 +82,11 @@ def centroid_figure(score: Score, published_std_px: Sequence[float] | None) -> s
                     errors = [f["centroid_error_px"].get(name) for f in frames]
                     error_px = [np.nan if e is None else e[axis] for e in errors]
                     time_s = _column(frames, "time_s")
-                    sign = "o-" if len(frames) <= FEW else "-"
-                    colour = palette(place % 10)
+                    many = len(frames) > FEW
                     panel.plot(
-                        time_s, error_px, sign, color=colour, ms=2.6, lw=0.8, label=f"#{name}"
-                    )
+                        time_s, error_px, "." if many else "o-", color=palette(place % 10),
+                        ms=1.6 if many else 2.6, lw=0.8, label=f"#{name}", rasterized=many,
+                    )  # fmt: skip
                 panel.set_title(f"{variant}: {'uv'[axis]}")
                 panel.set_ylabel("px")
                 if published_std_px is not None:
@@ -95,7 +97,10 @@ def centroid_figure(score: Score, published_std_px: Sequence[float] | None) -> s
         for panel in axes[-1]:
             panel.set_xlabel("time, s")
         handles, labels = axes[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        legend = figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        for handle in legend.legend_handles:
+            if isinstance(handle, Line2D):
+                handle.set_markersize(5.0)
 
     return _svg(draw, (11.0, 2.6 * len(score["pipelines"]) + 0.5))
 
@@ -148,8 +153,8 @@ def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: in
             own = float(np.max([*sizes, *bound[np.isfinite(bound)]], initial=0.0))
         many = len(frames) > FEW
         panel.plot(
-            time_s, error, "-" if many else "o-", color=colour, ms=3.2, lw=0.8 if many else 1.1,
-            label=f"error, {variant}",
+            time_s, error, "-" if many else "o-", color=colour, ms=3.2, lw=0.6 if many else 1.1,
+            alpha=0.75 if many else 1.0, label=f"error, {variant}",
         )  # fmt: skip
     panel.axhline(0.0, color="#8a97a3", lw=0.7)
     _limit(panel, max(own, min(others, MOST_TIMES_BEST * own)))
@@ -212,5 +217,7 @@ def _svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
         figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05))
         draw(figure)
         stream = io.StringIO()
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(
+            stream, format="svg", dpi=RASTER_DPI, metadata={"Date": None, "Creator": None}
+        )
     return stream.getvalue()

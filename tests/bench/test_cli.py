@@ -216,7 +216,8 @@ BAD_INPUT: dict[str, tuple[Callable[[Path], object], str]] = {
         nothing, "estimate --frames DIR/frames --camera DIR/camera.toml --target maxar1400"),
     "no estimates": (lambda d: shutil.rmtree(d / "estimates"), "score DIR"),
     "no truth": (lambda d: shutil.rmtree(d / "truth"), "score DIR"),
-    "a broken estimate": (lambda d: cut(d / "estimates/best.jsonl"), "score DIR"),
+    "a broken estimate": (
+        lambda d: (d / "estimates/best.jsonl").write_text('{"frame": 0}\n'), "score DIR"),
     "no score": (lambda d: (d / "score.json").unlink(), "report DIR"),
     "no such frame": (nothing, "show DIR 77"),
     "a folder that cannot be written": (

@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
+import renders.batch
 import renders.replay
 from bench import api
 from bench.repeated_runs import is_done, repeat_runs
@@ -113,3 +114,24 @@ def test_estimating_again_gives_the_same_bytes(scored_dataset, tmp_path):
     for variant in VARIANTS:
         first = estimates_path(scored_dataset.folder, 0, variant).read_bytes()
         assert estimates_path(copy, 0, variant).read_bytes() == first
+
+
+def test_the_whole_job_in_one_call(replayed, tmp_path, monkeypatch):
+    """``api.run`` asks for the rendering as it was asked, then does the rest; nothing is drawn."""
+    dataset, exposed = replayed
+    asked = []
+
+    def render_case(request):
+        asked.append(request)
+        shutil.copytree(dataset.folder, request.out, ignore=shutil.ignore_patterns("estimates"))
+
+    monkeypatch.setattr(renders.batch, "render_case", render_case)
+    out = tmp_path / "out"
+    score = api.run("maxar-demo", out, seeds=2, sun="S4", width=512, threads=1)
+    assert [(r.case, r.out, r.sun, r.width, r.threads, r.seeds) for r in asked] == [
+        ("maxar-demo", out, "S4", 512, 1, 2)
+    ]
+    assert exposed == [1]
+    assert score["runs"] == 2
+    assert (out / "score.json").is_file()
+    assert (out / "report.html").is_file()

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from bench import api
 from tests.support.synthetic_dataset import write_dataset
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -84,7 +85,7 @@ def test_without_truth_the_estimates_are_the_same_to_the_byte(whole, tmp_path):
 def test_scoring_reporting_and_showing_load_no_mitsuba(whole, verb):
     folder, _ = whole
     if verb == "report":
-        watched("score", str(folder))
+        api.score(folder)
     did = watched(verb, str(folder), *(["0"] if verb == "show" else []))
     assert did["code"] == 0
     assert {"mitsuba", "drjit"}.isdisjoint(did["loaded"])
