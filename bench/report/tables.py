@@ -9,6 +9,7 @@ from bench.published import PublishedCase
 from bench.report.numbers import NONE, count, number, numbers, share
 
 Score = dict[str, Any]
+MOST_LISTED = 10
 TITLES = {"best": "best", "paper": "paper variant"}
 
 
@@ -183,12 +184,16 @@ def range_table(score: Score, variant: str) -> Table:
 
 
 def lost_table(score: Score) -> Table:
-    """List why frames have no pose."""
+    """List why frames have no pose, and which they are."""
     rows = []
     for variant in variants_of(score):
-        for reason, times in score["pipelines"][variant]["lost"]["reasons"].items():
-            rows.append([TITLES.get(variant, variant), count(times), reason])
-    return Table(["variant", "frames", "reason"], rows, {}, {})
+        lost = score["pipelines"][variant]["lost"]
+        frames = score["pipelines"][variant]["per_frame"]
+        for reason, times in lost["reasons"].items():
+            which = [count(row["frame"]) for row in frames if row["reason"] == reason]
+            shown = ", ".join(which[:MOST_LISTED]) + (" ..." if len(which) > MOST_LISTED else "")
+            rows.append([TITLES.get(variant, variant), count(times), shown, reason])
+    return Table(["variant", "frames", "which", "reason"], rows, {}, {})
 
 
 def _unit(text: str, unit: str) -> str:

@@ -123,7 +123,7 @@ def test_lost_frames_and_a_sun_of_no_paper(tmp_path):
     page = Page(api.report(dataset.folder).read_text())
     assert "0 of 2" in page.text
     assert "2 missed" in page.text
-    assert "blinded by <the Sun>" in page.text
+    assert "best 2 0, 1 blinded by <the Sun>" in page.text
     assert "No paper reports this Sun" in page.text
 
 
