@@ -141,7 +141,7 @@ class ChaserFixedOptions:
     verify: bool = False
     psf_sigma_px: float = 0.5
     psf_tolerance_px: float = 0.25
-    centroid_floor_px: float = 0.001
+    centroid_floor_px: float = 0.0015
     centroid_sigma_px: float = 0.077
     outlier_sigmas: float = 5.5
     max_misfit: float = 0.12

@@ -27,6 +27,7 @@ CROSSTALK_TOLERANCE = 0.1  # 1-sigma of the share that neighbours exchange
 SIGNIFICANT = 4.0  # sigmas of chi-square above which a misfit is one of shape
 # How far a cut that leaves a misfit of 1 pulls the centre (measured by cutting discs from a side).
 PULL_PX, PULL_PX3 = 2.8, 18.0
+MODEL_MISFIT = 0.004  # what the model itself leaves at worst, scattered over the pixels
 MIN_PIXELS = 2 * PARAMETERS
 
 
@@ -243,10 +244,11 @@ def _summary(last: _Accepted, usable: Mask, radius: float) -> DiscFit | None:
         # What noise alone explains is no misfit of shape.
         left_over = float(np.mean(left**2)) * (1.0 - 1.0 / misfit_chi2)
         shape_misfit = float(np.sqrt(left_over)) / height
-    pull_px = shape_misfit * (PULL_PX + PULL_PX3 / radius**2)
+    cut = float(np.sqrt(max(shape_misfit**2 - MODEL_MISFIT**2, 0.0)))
+    pull_px = cut * (PULL_PX + PULL_PX3 / radius**2)
     return DiscFit(
         parameters=last.parameters,
-        covariance_px2=0.5 * (noise + noise.T) + pull_px**2 * np.eye(2),
+        covariance_px2=0.5 * max(1.0, misfit_chi2) * (noise + noise.T) + pull_px**2 * np.eye(2),
         height_sigma_dn=float(np.sqrt(last.covariance[5, 5])),
         shape_misfit=shape_misfit,
         misfit_chi2=misfit_chi2,

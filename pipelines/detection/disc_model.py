@@ -15,7 +15,7 @@ from models.arrays import Floats
 from pipelines.detection.pixel_edge import PIXEL_VARIANCE, edge_signal
 
 PARAMETERS = 9
-BLUR_RANGE_PX = (0.06, 3.0)  # below, the pixel's own square hides it
+BLUR_RANGE_PX = (0.03, 3.0)  # below, the pixel's own square hides it
 CROSSTALK_RANGE = (-0.05, 0.2)
 SIZE_RANGE = (0.6, 1.6)
 

@@ -36,6 +36,7 @@ RADII_PX = (2.1, 4.16, 8.0, 15.5)  # 1024 px at 6.7 m to 2048 px at 1.8 m
 RUNS = {2.1: 60, 4.16: 60, 8.0: 40, 15.5: 15}  # large discs cost more and scatter less
 BIAS_PX, SCATTER_PX = 0.01, 0.03  # what the best variant promises, ten times what it has
 FADING = 0.04  # lamp fall-off over one radius of the disc at 1.8 m
+UNSEEN_CUT_PX = 0.025  # pull of a cut (under 1 % of the area) that the misfit hardly tells
 SMALL = Camera.from_fov(80, 80, 3.0)
 ONE = MarkerPattern(("1",), np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), 0.0127)
 BLUR = ExpectedBlur(psf_sigma_px=0.5, tolerance_px=0.25, start_px=0.5)
@@ -236,7 +237,8 @@ def test_a_cut_disc_shows(radius_px: float, share: float) -> None:
         frame = expected_pair(scene, pose).exposed(seed)
         fit, error = fitted(scene, pose, (frame.image_800, frame.image_850), np.zeros(2))
         if fit is not None and fit.shape_misfit < 0.12:
-            assert error @ np.linalg.solve(fit.covariance_px2, error) < chi2.ppf(0.9999, 2)
+            covered = error @ np.linalg.solve(fit.covariance_px2, error) < chi2.ppf(0.9999, 2)
+            assert covered or np.abs(error).max() < UNSEEN_CUT_PX
             if share >= 0.1:
                 assert np.sqrt(fit.covariance_px2[0, 0]) > 10.0 * 0.002  # next to no weight
 

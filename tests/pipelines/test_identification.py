@@ -31,7 +31,7 @@ def test_both_match_what_is_plain() -> None:
 def test_a_common_shift_defeats_the_nearest_neighbour_but_not_the_assignment() -> None:
     """A row of markers 60 px apart, seen 40 px aside: each stands nearest to its neighbour."""
     markers = np.stack([60.0 * np.arange(5), np.zeros(5)], axis=-1)
-    points = markers + [40.0, 0.0]
+    points = markers + np.array([40.0, 0.0])
     nearest = nearest_neighbour(points, markers, 131.0)
     assert nearest.tolist() != [0, 1, 2, 3, 4]
     assert assigned(points, markers, 131.0).tolist() == [0, 1, 2, 3, 4]

@@ -43,7 +43,7 @@ def disc(radius: float, centre: tuple[float, float], size: int = 48) -> Mask:
 
 
 def test_the_thresholds_at_the_start_of_the_approach() -> None:
-    """f = 2195.98 px, 6.7 m, Table 11: what equations 3, 4, 7 and 8 give."""
+    """At f = 2195.98 px, 6.7 m and Table 11: what equations 3, 4, 7 and 8 give."""
     radius = expected_radius_px(RADIUS_M, RANGE_M, CAMERA_2048.fx)
     assert radius == pytest.approx(4.1625, abs=1e-3)
     assert area_threshold_px(radius, PAPER.s_ao) == 33

@@ -7,12 +7,12 @@ import pytest
 from scipy.stats import chi2
 
 from models.arrays import Floats
+from models.pose import RigidTransform, pose_error
 from pipelines.options import options_for
 from pipelines.pnp.consistency import common_variance_px2, deletion_gains, find_outliers
 from pipelines.pnp.covariance import pose_covariance, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
-from models.pose import RigidTransform, pose_error
 from tests.support.synthetic_pair import CAMERA_2048, PATTERN, facing_pose
 
 RUNS = 2000
