@@ -21,7 +21,7 @@ from renders.scene import SceneGeometry, place_chaser
 
 BEAM_CUTOFF_DEG = 60.0  # cos^7 has fallen to 1 % there, far outside the field of view
 BEAM_BITMAP = 512
-SUN_PASSES = 4
+SUN_PASSES = 16  # places on the Sun's disc; with 4 the mean is 0.4 % off, with 16 none is seen
 
 Window = tuple[int, int, int, int]  # left, top, width, height, px
 
@@ -50,10 +50,18 @@ def _band(channel: int, value: float) -> dict[str, Any]:
     return {"type": "rgb", "value": bands}
 
 
-def _sun_emitter(direction: Floats, group: SunGroup) -> dict[str, Any]:
+def _sun_transform(direction: Floats) -> Any:
+    """Return ``to_world`` of a directional emitter that shines from ``direction``."""
+    up = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    return mi.ScalarTransform4f().look_at(
+        origin=[0.0, 0.0, 0.0], target=(-direction).tolist(), up=up.tolist()
+    )
+
+
+def _sun_emitter(group: SunGroup) -> dict[str, Any]:
     return {
         "type": "directional",
-        "direction": [float(-x) for x in direction],
+        "to_world": _sun_transform(np.asarray(group.direction_in_target)),
         "irradiance": _band(group.channel, group.irradiance_w_m2),
     }
 
@@ -108,16 +116,20 @@ def render_group(
     -------
     list of (height, width) float32 arrays, W m-2 sr-1, one for each window.
     """
+    directions: list[Floats | None] = [None]
     if isinstance(group, SunGroup):
-        directions = sun_disc_directions(group, SUN_PASSES)
-        scenes = [{"sun": _sun_emitter(direction, group)} for direction in directions]
+        directions = list(sun_disc_directions(group, min(SUN_PASSES, samples)))
+        scene = geometry.scene(sun=_sun_emitter(group))
     else:
-        scenes = [_lamp_emitters(group, cam_from_target)]
+        scene = geometry.scene(**_lamp_emitters(group, cam_from_target))
+    place_chaser(scene, geometry, cam_from_target)
     integrator = mi.load_dict({"type": "path", "max_depth": max_depth + 1, "rr_depth": 10_000})
     images = [np.zeros((window[3], window[2])) for window in windows]
-    for number, emitters in enumerate(scenes):
-        scene = geometry.scene(**emitters)
-        place_chaser(scene, geometry, cam_from_target)
+    for number, direction in enumerate(directions):
+        if direction is not None:
+            params = mi.traverse(scene)
+            params["sun.to_world"] = _sun_transform(direction)
+            params.update()
         for image, (left, top, width, height) in zip(images, windows, strict=True):
             film = {
                 "type": "hdrfilm",
@@ -131,7 +143,7 @@ def render_group(
                 "pixel_format": "rgb",
                 "component_format": "float32",
             }
-            each = max(1, round(samples / len(scenes)))
+            each = max(1, round(samples / len(directions)))
             sampler = {"type": "stratified", "sample_count": each}
             sensor = sensor_dict(camera, cam_from_target, film) | {"sampler": sampler}
             rendered = mi.render(
@@ -141,5 +153,5 @@ def render_group(
                 spp=each,
                 seed=(seed + number) % 2**32,
             )
-            image += np.array(rendered)[..., group.channel] / len(scenes)
+            image += np.array(rendered)[..., group.channel] / len(directions)
     return [image.astype(np.float32) for image in images]

@@ -94,12 +94,13 @@ def register_retroreflector() -> None:
 
         def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any) -> Any:
             to_lobe = sample1 < self.lobe_share
+            to_face = sample1 >= self.lobe_share
             face_sample, _ = self.face.sample(
                 ctx,
                 si,
                 dr.clip((sample1 - self.lobe_share) / (1.0 - self.lobe_share), 0.0, 1.0),
                 sample2,
-                active & ~to_lobe,
+                active & to_face,
             )
             cone = mi.warp.square_to_uniform_cone(sample2, self.cosine)
             in_cone = mi.Frame3f(si.wi).to_world(cone)
@@ -111,15 +112,15 @@ def register_retroreflector() -> None:
             bs.pdf = self.pdf(ctx, si, bs.wo, active)
             good = active & (bs.pdf > 0.0)
             value = self.eval(ctx, si, bs.wo, good)
-            weight = dr.select(good, value / dr.select(good, bs.pdf, 1.0), 0.0)
-            return bs, weight
+            weight = value / dr.select(good, bs.pdf, 1.0)
+            return bs, mi.Color3f(dr.select(good, weight, mi.Color3f(0.0)))
 
         def eval(self, ctx: Any, si: Any, wo: Any, active: Any) -> Any:
             front = active & (si.wi.z > 0.0) & (wo.z > 0.0)
             strength, inside = self.lobe(si.wi, wo)
             strength = dr.select(front & inside, strength * wo.z, 0.0)
             returned = mi.Color3f(*(rho * strength for rho in self.rho))
-            return returned + dr.select(front, self.face.eval(ctx, si, wo, front), 0.0)
+            return returned + dr.select(front, self.face.eval(ctx, si, wo, front), mi.Color3f(0.0))
 
         def pdf(self, ctx: Any, si: Any, wo: Any, active: Any) -> Any:
             front = active & (si.wi.z > 0.0) & (wo.z > 0.0)
