@@ -27,7 +27,7 @@ CROSSTALK_TOLERANCE = 0.1  # 1-sigma of the share that neighbours exchange
 SIGNIFICANT = 4.0  # sigmas of chi-square above which a misfit is one of shape
 # How far a cut that leaves a misfit of 1 pulls the centre (measured by cutting discs from a side).
 PULL_PX, PULL_PX3 = 2.8, 18.0
-MODEL_MISFIT = 0.004  # what the model itself leaves at worst, scattered over the pixels
+MODEL_MISFIT = 0.002  # what the model itself leaves at worst, scattered over the pixels
 MIN_PIXELS = 2 * PARAMETERS
 
 

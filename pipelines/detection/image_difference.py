@@ -69,7 +69,7 @@ def signed_difference(frame: Frame, region: Region) -> Floats:
 
 
 def saturated(frame: Frame, detector: Detector, region: Region | None = None) -> Mask | None:
-    """Tell which pixels are saturated in either exposure, with a rim of one pixel.
+    """Tell which pixels of a region are saturated in either exposure, with a rim of one pixel.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def saturated(frame: Frame, detector: Detector, region: Region | None = None) ->
     part = (region or Region.whole(frame.image_850)).part
     brighter = cv2.max(frame.image_800[part], frame.image_850[part])
     level = saturation_level_dn(detector)
-    if brighter.size == 0 or brighter.max() < level:
+    if brighter.max() < level:
         return None
     mask = cv2.compare(brighter, level, cv2.CMP_GE)
     return np.asarray(cv2.dilate(mask, np.ones((3, 3), np.uint8)) > 0)

@@ -78,9 +78,9 @@ def detect_in_region(
         Smallest and largest radius that a marker's image may have.
     options : ChaserFixedOptions
     """
-    difference = signed_difference(frame, region)
-    if difference.size == 0:
+    if region.pixels == 0:
         return Candidates.none()
+    difference = signed_difference(frame, region)
     excluded = saturated(frame, detector, region)
     threshold = _seed_threshold_dn(difference, excluded, detector, options.tau_bin)
     areas_px = (np.pi * radii_px[0] ** 2, np.pi * radii_px[1] ** 2)
