@@ -116,6 +116,8 @@ def render_group(
     -------
     list of (height, width) float32 arrays, W m-2 sr-1, one for each window.
     """
+    if not windows:
+        return []
     directions: list[Floats | None] = [None]
     if isinstance(group, SunGroup):
         directions = list(sun_disc_directions(group, min(SUN_PASSES, samples)))

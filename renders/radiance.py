@@ -21,7 +21,7 @@ from models.frame import MarkerPattern
 from models.pose import RigidTransform
 from renders.emitter_by_emitter import Window, render_group
 from renders.group_integrator import trace_groups
-from renders.light_groups import LightGroup
+from renders.light_groups import NIR850, LightGroup
 from renders.scene import SceneGeometry
 
 WINDOW_MARGIN_PX = 3.0  # beyond the disc: the point-spread function at five sigma
@@ -174,8 +174,10 @@ def _one_by_one(
         common = (geometry, camera, cam_from_target, group)
         depth, seed = sampling.max_depth, sampling.seed
         image = render_group(*common, whole, sampling.samples, depth, seed)[0]
-        fine = render_group(*common, windows, sampling.marker_samples, depth, seed)
-        for (left, top, width, height), patch in zip(windows, fine, strict=True):
+        # Only where markers shine does their outline need the many samples, which are slow here.
+        shining = windows if group.channel == NIR850 else []
+        fine = render_group(*common, shining, sampling.marker_samples, depth, seed)
+        for (left, top, width, height), patch in zip(shining, fine, strict=True):
             image[top : top + height, left : left + width] = patch
         images[group.name] = image
     return images
