@@ -35,7 +35,7 @@ from pipelines.detection.marker_search import (
 from pipelines.identification import identification_gate_px, nearest_neighbour, one_to_one
 from pipelines.match import Match, Solution
 from pipelines.options import VARIANTS, ChaserFixedOptions, options_for
-from pipelines.pnp.hypotheses import propose_match
+from pipelines.pnp.hypotheses import FAR_CHI2, propose_match
 from pipelines.pnp.robust_pose import solve_match
 from pipelines.refinement import fit_markers
 from pipelines.tracking.motion_prediction import MotionPrediction, PredictedPose
@@ -163,20 +163,30 @@ class ChaserFixed:
         near = within_gate(points, markers, self._gate_px(predicted))
         allowed = near | (cost < self._options.region_sigmas**2)
         matched = one_to_one(cost, allowed)
-        outcome = self._solved(self._match(candidates, matched, sigma), predicted.pose, radius)
+        match = self._match(candidates, matched, sigma)
+        outcome = self._plausible(self._solved(match, predicted.pose, radius), predicted)
         if isinstance(outcome, str) and self._options.verify and len(candidates) >= 4:
             proposed = propose_match(
                 self._camera, self._markers, points, allowed, predicted, max(3.0, 0.5 * radius)
             )
             if proposed is not None:
                 pose, voted = proposed
-                outcome = self._solved(self._match(candidates, voted, sigma), pose, radius)
+                match = self._match(candidates, voted, sigma)
+                outcome = self._plausible(self._solved(match, pose, radius), predicted)
         return _Sighting(candidates, outcome)
 
     # From matches to a pose.
 
     def _solved(self, match: Match, start: RigidTransform, radius_px: float) -> Solution | str:
         return solve_match(self._camera, self._markers, match, start, radius_px, self._options)
+
+    def _plausible(self, outcome: Solution | str, predicted: PredictedPose) -> Solution | str:
+        """Refuse a pose far from the prediction that has next to no match to spare."""
+        if isinstance(outcome, str) or outcome.used.sum() > self._options.min_markers:
+            return outcome
+        if not self._options.verify or predicted.squared_distance(outcome.pose) < FAR_CHI2:
+            return outcome
+        return f"{int(outcome.used.sum())} matched markers give a pose far from the predicted one"
 
     def _refined(self, frame: Frame, coarse: Solution) -> Solution:
         """Fit the discs and solve again; where too few can be fitted, the coarse pose stands."""

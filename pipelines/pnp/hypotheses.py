@@ -22,10 +22,10 @@ from pipelines.identification import one_to_one
 from pipelines.pnp.projection_jacobian import project_normalised
 from pipelines.tracking.motion_prediction import PredictedPose
 
-MOST_TRIPLES = 400  # P3P calls, 30 us each
+MOST_TRIPLES = 400  # P3P calls; each with its votes takes about 0.5 ms
 CANDIDATES_EACH = 3  # nearest candidates tried for a marker
 MOST_MARKERS = 7  # from which triples are drawn, those with the fewest candidates first
-PRIOR_CHI2 = 60.0  # a proposed pose further from the prediction (six dimensions) is absurd
+FAR_CHI2 = 60.0  # a pose further from the prediction (six dimensions) is absurd
 
 
 def propose_match(
@@ -61,11 +61,10 @@ def propose_match(
     normalised = camera.normalise(points_px)
     focal_px = 0.5 * (camera.fx + camera.fy)
     vote = vote_px / focal_px
-    precision = np.asarray(np.linalg.inv(predicted.covariance + 1e-12 * np.eye(6)), np.float64)
     best: tuple[float, RigidTransform, Indices] | None = None
     for pairs in _triples(points_px, allowed, markers, predicted, camera):
-        for pose in _p3p(markers, normalised, pairs):
-            if not _plausible(pose, predicted, precision):
+        for pose in _p3p(markers, normalised, pairs, predicted):
+            if predicted.squared_distance(pose) > FAR_CHI2:
                 continue
             reprojected = project_normalised(
                 pose.rotation, pose.translation, markers.points_in_target
@@ -112,8 +111,13 @@ def _triples(
 
 
 def _p3p(
-    markers: MarkerPattern, normalised: Floats, pairs: list[tuple[int, int]]
+    markers: MarkerPattern,
+    normalised: Floats,
+    pairs: list[tuple[int, int]],
+    predicted: PredictedPose,
 ) -> Iterator[RigidTransform]:
+    """Yield the poses of three pairs that are in front of the camera and in reach."""
+    reach = np.sqrt(FAR_CHI2 * np.diag(predicted.covariance)[3:]) + 1e-6
     candidates, chosen = (list(column) for column in zip(*pairs, strict=True))
     count, turns, shifts = cv2.solveP3P(
         markers.points_in_target[chosen][:, None, :],
@@ -123,7 +127,9 @@ def _p3p(
         flags=cv2.SOLVEPNP_P3P,
     )
     for number in range(count):
-        pose = _pose(turns[number], shifts[number])
+        shift = shifts[number].reshape(3)
+        near = np.abs(shift - predicted.pose.translation) < reach  # false for NaN
+        pose = _pose(turns[number], shift) if shift[2] > 0.0 and near.all() else None
         if pose is not None:
             yield pose
 
@@ -132,12 +138,6 @@ def _pose(turn: Floats, shift: Floats) -> RigidTransform | None:
     if not (np.isfinite(turn).all() and np.isfinite(shift).all()):
         return None
     return RigidTransform(Rotation.from_rotvec(turn.reshape(3)).as_matrix(), shift.reshape(3))
-
-
-def _plausible(pose: RigidTransform, predicted: PredictedPose, precision: Floats) -> bool:
-    turn = Rotation.from_matrix(pose.rotation @ predicted.pose.rotation.T).as_rotvec()
-    away = np.concatenate([turn, pose.translation - predicted.pose.translation])
-    return bool(pose.translation[2] > 0.0 and away @ precision @ away < PRIOR_CHI2)
 
 
 def _polished(

@@ -14,6 +14,7 @@ from models.pose import RigidTransform, euler_321_from_rotation
 from pipelines.options import ChaserFixedOptions
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 
+LEAST_VARIANCE = 1e-12  # rad^2 and m^2: keeps a prediction without uncertainty invertible
 LONGEST_REACH = 20.0  # an extrapolation beyond this many of its baselines is held there
 
 
@@ -34,6 +35,12 @@ class PredictedPose:
     pose: RigidTransform
     covariance: Floats
     lost_frames: int
+
+    def squared_distance(self, pose: RigidTransform) -> float:
+        """Return how far another pose lies from this one, squared, in sigmas of all six."""
+        turn = Rotation.from_matrix(pose.rotation @ self.pose.rotation.T).as_rotvec()
+        away = np.concatenate([turn, pose.translation - self.pose.translation])
+        return float(away @ np.linalg.solve(self.covariance + LEAST_VARIANCE * np.eye(6), away))
 
 
 @dataclass(frozen=True, eq=False)

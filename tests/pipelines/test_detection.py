@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 from models.arrays import Floats, Image
+from models.camera import Camera
 from models.frame import Frame
 from models.pose import RigidTransform
 from models.sensor import Detector
@@ -50,9 +52,7 @@ def by_best(frame: Frame, scene: Scene, range_m: float) -> Candidates:
     return detect_in_region(frame, scene.detector, whole, (0.95 * radius, 1.05 * radius), BEST)
 
 
-def recall_and_false(
-    found: Candidates, scene: Scene, pose: RigidTransform
-) -> tuple[set[int], int]:
+def recall_and_false(found: Candidates, scene: Scene, pose: RigidTransform) -> tuple[set[int], int]:
     """Return the markers found and the number of other candidates."""
     truth = scene.camera.project(pose @ scene.markers.points_in_target)
     gaps = np.linalg.norm(found.points_px[:, None] - truth[None], axis=-1).reshape(-1, len(truth))
@@ -64,6 +64,13 @@ def visible(scene: Scene, pose: RigidTransform, range_m: float) -> set[int]:
     radius = scene.camera.fx * scene.markers.radius_m / range_m
     truth = scene.camera.project(pose @ scene.markers.points_in_target)
     return set(np.flatnonzero(scene.camera.contains(truth, 2.0 * radius)).tolist())
+
+
+@cache
+def cluttered(camera: Camera, range_m: float, clutter: int | None):
+    scene = Scene(camera=camera, clutter=clutter)
+    pose = facing_pose(range_m, (181.0, -1.0, 2.0))
+    return scene, pose, render_pair(scene, pose)
 
 
 @pytest.mark.parametrize("detect", [by_paper, by_best])
@@ -80,9 +87,7 @@ def visible(scene: Scene, pose: RigidTransform, range_m: float) -> set[int]:
 def test_every_marker_is_found_in_clutter_and_nothing_else(
     detect, camera, range_m: float, clutter: int | None
 ) -> None:
-    scene = Scene(camera=camera, clutter=clutter)
-    pose = facing_pose(range_m, (181.0, -1.0, 2.0))
-    frame = render_pair(scene, pose)
+    scene, pose, frame = cluttered(camera, range_m, clutter)
     seen, false = recall_and_false(detect(frame, scene, range_m), scene, pose)
     assert seen == visible(scene, pose, range_m)
     assert false == 0
