@@ -13,7 +13,7 @@ import pytest
 from models.errors import VariantError
 from renders import probe_cache, variant
 
-A_SECOND_AND_A_HALF = 1.5  # Python starts in far less, and the sleeper sleeps for an hour
+A_SECOND = 1.0  # of the hour that the sleeper sleeps
 TWO_DAYS_S = 2 * probe_cache.A_DAY_S
 
 
@@ -105,12 +105,11 @@ def test_every_libllvm_of_this_machine_gets_a_verdict(library, monkeypatch) -> N
         ("os.kill(os.getpid(), signal.SIGSEGV)", "Segmentation fault"),
         ("sys.exit('LLVM ERROR: Cannot select: f32 = fminimum')", "cannot compile for this"),
         ("raise RuntimeError('no OptiX')", "RuntimeError: no OptiX"),
-        ("time.sleep(3600)", "no picture within 1.5 s"),
     ],
 )
-def test_a_probe_that_dies_or_hangs_is_a_refusal_with_its_reason(body, reason, pretend) -> None:
+def test_a_probe_that_dies_is_a_refusal_with_its_reason(body, reason, pretend) -> None:
     pretend(body)
-    result = variant.probe("llvm", time_limit_s=A_SECOND_AND_A_HALF)
+    result = variant.probe("llvm")
     assert not result.renders
     assert reason in result.reason
 
@@ -185,9 +184,10 @@ def test_a_cache_that_cannot_be_written_is_done_without(pretend, tmp_path, monke
     assert variant.probe("scalar").renders
 
 
-def test_a_probe_too_slow_once_is_tried_again_by_the_next_process(pretend, monkeypatch) -> None:
+def test_a_probe_too_slow_once_is_tried_again_by_the_next_process(pretend) -> None:
     pretend("time.sleep(3600)")
-    variant.probe("scalar", time_limit_s=A_SECOND_AND_A_HALF)
+    result = variant.probe("scalar", time_limit_s=A_SECOND)
+    assert result.reason == "no picture within 1 s"
     machine = probe_cache.fingerprint(variant.PROBE_PROGRAM)
     assert probe_cache.read("scalar_rgb", machine) is None
 
