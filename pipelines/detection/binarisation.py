@@ -10,22 +10,20 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from models.arrays import Image, Mask
+from models.arrays import Floats, Image, Mask
 from pipelines.options import ThresholdRule
 
 LEVELS = 65536
 
 
-def histogram(
-    difference: Image, excluded: Mask | None = None
-) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def histogram(difference: Image, excluded: Mask | None = None) -> Floats:
     """Count the levels of a uint16 image, (65536,), leaving out the excluded pixels."""
     mask = None if excluded is None else np.where(excluded, 0, 255).astype(np.uint8)
     counts = cv2.calcHist([difference], [0], mask, [LEVELS], [0, LEVELS])
     return np.asarray(counts, dtype=np.float64).reshape(-1)
 
 
-def otsu_threshold(counts: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+def otsu_threshold(counts: Floats) -> float:
     """Return the level that best parts a histogram in two: T, foreground being above it.
 
     Otsu 1979, "A threshold selection method from gray-level histograms".

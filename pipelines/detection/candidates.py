@@ -18,11 +18,9 @@ class Candidates:
     ----------
     points_px : (n, 2) array, px
         Centroids; pixel centres are integers.
-    area_px : (n,) array, px
     """
 
     points_px: Floats
-    area_px: Floats
 
     def __len__(self) -> int:
         return len(self.points_px)
@@ -30,11 +28,11 @@ class Candidates:
     @classmethod
     def none(cls) -> Candidates:
         """Return no candidates."""
-        return cls(np.zeros((0, 2)), np.zeros(0))
+        return cls(np.zeros((0, 2)))
 
     def kept(self, keep: Mask) -> Candidates:
         """Return only those marked True."""
-        return Candidates(self.points_px[keep], self.area_px[keep])
+        return Candidates(self.points_px[keep])
 
     @classmethod
     def merged(cls, parts: Iterable[Candidates], same_px: float) -> Candidates:
@@ -43,7 +41,6 @@ class Candidates:
         if not gathered:
             return cls.none()
         points = np.concatenate([part.points_px for part in gathered])
-        area = np.concatenate([part.area_px for part in gathered])
         gaps = np.linalg.norm(points[:, None] - points[None, :], axis=-1)
         first = np.argmax(gaps < same_px, axis=1) if len(points) else np.zeros(0)
-        return cls(points, area).kept(first == np.arange(len(points)))
+        return cls(points).kept(first == np.arange(len(points)))

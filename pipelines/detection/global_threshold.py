@@ -43,6 +43,6 @@ def detect_by_global_threshold(
     blobs = find_blobs(binarise(difference, threshold))
     blobs = open_areas(blobs, area_threshold_px(radius_px, options.s_ao))
     blobs = blobs.kept(np.asarray(circularity(blobs, options.perimeter) >= options.tau_circ))
-    found = Candidates(weighted_centroids(blobs, difference), blobs.area_px)
+    found = Candidates(weighted_centroids(blobs, difference))
     margin = border_margin_px(radius_px, options.s_bord)
     return found.kept(inside_margin(found.points_px, camera, margin))

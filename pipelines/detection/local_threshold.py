@@ -55,8 +55,7 @@ def _cut_at_half_height(
     )
     blobs = blobs.kept(area_fits)
     blobs = blobs.kept(np.asarray(circularity(blobs, options.perimeter) >= options.tau_circ))
-    centroids = weighted_centroids(blobs, np.maximum(difference - background, 0.0))
-    return Candidates(centroids, blobs.area_px)
+    return Candidates(weighted_centroids(blobs, np.maximum(difference - background, 0.0)))
 
 
 def detect_in_region(
@@ -103,5 +102,5 @@ def detect_in_region(
         own[seeds.rows[pixels] - top, seeds.columns[pixels] - left] = True
         cut = _cut_at_half_height(crop, own, areas_px, options)
         origin = region.origin_px + np.array([left, top])
-        found.append(Candidates(cut.points_px + origin, cut.area_px))
+        found.append(Candidates(cut.points_px + origin))
     return Candidates.merged(found, same_px=1.0)

@@ -105,9 +105,9 @@ def test_both_variants_meet_their_accuracy(camera, range_m: float, clutter: int 
 
 
 def test_the_best_variant_is_consistent_and_beats_the_paper() -> None:
-    """Twelve poses and priors: errors as its covariance says, and far below the paper's."""
+    """Eight poses and priors: errors as its covariance says, and far below the paper's."""
     nees, position = [], {variant: [] for variant in VARIANTS}
-    for seed in range(12):
+    for seed in range(8):
         rng = np.random.default_rng(seed)
         tilt = np.array([180.0, 0.0, 0.0]) + rng.normal(0.0, 1.5, 3)
         pose = facing_pose(rng.uniform(2.0, 6.7), tuple(tilt))
@@ -140,7 +140,7 @@ def test_a_distorted_camera_is_undone() -> None:
 def test_survey_errors_are_owned_up_to() -> None:
     """Case M1, markers 1 mm from where they were surveyed: the covariance grows, none is lost."""
     nees, kept = [], []
-    for seed in range(6):
+    for seed in range(4):
         pose = facing_pose(3.0, (179.0, 1.0, 1.0))
         installed = np.random.default_rng(seed).normal(0.0, 1e-3, (10, 3))
         scene = Scene(
@@ -158,7 +158,7 @@ def test_survey_errors_are_owned_up_to() -> None:
 @pytest.mark.parametrize("scale", [2.0, 4.0])
 def test_a_coarser_prior_changes_nothing(scale: float) -> None:
     """Case I of the paper, and twice as coarse: the first frame already has all markers."""
-    for seed in range(4):
+    for seed in range(2):
         pose = facing_pose(4.0, (180.0, 1.0, -2.0))
         scene = Scene(clutter=seed)
         prior = drawn_prior(pose, seed, scale)
@@ -233,7 +233,7 @@ def test_flat_images_give_no_pose(variant: str, level: int) -> None:
     assert "0 of the 10 markers" in refused(pipeline.process(flat_frame(level))).reason
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     seed=st.integers(0, 10_000),
     variant=st.sampled_from(VARIANTS),

@@ -30,6 +30,7 @@ from tests.support.synthetic_pair import (
     CAMERA_1024,
     CAMERA_2048,
     PATTERN,
+    ExpectedPair,
     Scene,
     expected_pair,
     facing_pose,
@@ -152,8 +153,6 @@ def test_markers_that_saturate_are_found(detect) -> None:
 def test_the_saturation_level_is_below_every_full_well_pixel() -> None:
     full = np.full((200, 200), 10.0)
     scene = Scene()
-    from tests.support.synthetic_pair import ExpectedPair
-
     frame = ExpectedPair(scene, full, full).exposed(0)
     assert (frame.image_850 >= saturation_level_dn(DETECTOR)).all()
     assert saturation_level_dn(DETECTOR) > 0.99 * DETECTOR.saturation_dn

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -101,8 +103,6 @@ def test_points_behind_the_camera_have_no_image() -> None:
 
 @pytest.mark.parametrize("k1", [0.0, -0.1])
 def test_undistortion_gain(k1: float) -> None:
-    from dataclasses import replace
-
     camera = replace(CAMERA_2048, k1=k1, p1=1e-3)
     pixel = np.array([[400.0, 1500.0]])
     gain = undistortion_gain(camera, camera.normalise(pixel))[0]

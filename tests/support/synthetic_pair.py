@@ -16,7 +16,7 @@ from scipy.special import ndtr
 from models.arrays import Floats, Image
 from models.camera import Camera
 from models.frame import FlightKnowledge, Frame, MarkerPattern
-from models.pose import RigidTransform, rotation_from_euler_321
+from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensor import Detector
 
 CAMERA_2048 = Camera.from_fov(2048, 2048, 50.0)
@@ -277,8 +277,6 @@ def knowledge_of(
 def drawn_prior(pose: RigidTransform, seed: int, scale: float = 1.0) -> RigidTransform:
     """Draw a prior with the sigmas of Table 5, times ``scale``."""
     rng = np.random.default_rng([seed, 77])
-    from models.pose import euler_321_from_rotation
-
     euler = euler_321_from_rotation(pose.rotation) + scale * rng.normal(0.0, PRIOR_SIGMA_DEG)
     return RigidTransform(
         rotation_from_euler_321(euler), pose.translation + scale * rng.normal(0.0, PRIOR_SIGMA_M)
