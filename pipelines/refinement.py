@@ -17,6 +17,7 @@ from pipelines.detection.image_difference import saturation_level_dn
 from pipelines.match import Match
 from pipelines.options import ChaserFixedOptions
 
+LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0
 SIZE_LIMITS = (0.75, 1.33)
 FURTHEST_RADII = 0.5  # a disc further from where the pose says is another thing
@@ -59,7 +60,7 @@ def fit_markers(
     blur: ExpectedBlur,
     options: ChaserFixedOptions,
 ) -> FittedMarkers:
-    """Fit all discs that a pose sees whole in the image, found before or not.
+    """Fit all discs that a pose sees whole in the image and large enough, found before or not.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def fit_markers(
     for index in np.flatnonzero(outlines.facing):
         radius = float(outlines.radii_px[index])
         centre = outlines.area_centres_px[index]
-        if not camera.contains(centre, options.s_bord * radius):
+        if radius < LEAST_RADIUS_PX or not camera.contains(centre, options.s_bord * radius):
             continue
         fit = fit_disc(
             frame.image_800,

@@ -155,6 +155,14 @@ def test_survey_errors_are_owned_up_to() -> None:
     assert np.sum(nees) < chi2.ppf(0.9995, 6 * len(nees))
 
 
+def test_markers_of_half_a_pixel_are_not_fitted_but_still_used() -> None:
+    """At 256 columns and 6.7 m a marker's radius is 0.52 px: its coarse centroid has to do."""
+    scene, pose = Scene(Camera.from_fov(256, 256, 50.0)), facing_pose(6.7, (179.0, 1.0, 1.0))
+    estimate = found(tracker(scene, drawn_prior(pose, 1)).process(render_pair(scene, pose)))
+    assert np.linalg.norm(pose_error(estimate.cam_from_target, pose).position_m) < 5e-3
+    assert normalised_error(estimate, pose) < chi2.ppf(0.9999, 6)
+
+
 @pytest.mark.parametrize("scale", [2.0, 4.0])
 def test_a_coarser_prior_changes_nothing(scale: float) -> None:
     """Case I of the paper, and twice as coarse: the first frame already has all markers."""
