@@ -14,6 +14,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
 
+from models.errors import ScenarioError
+
+MOST_RUNS = 1000  # their folders are named by three digits; see bench.runs
+
 
 class RenderOptions(TypedDict, total=False):
     """What can be asked of a rendering; see ``renders.scenario.RenderRequest``."""
@@ -39,7 +43,8 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     out : Path
         Folder of the dataset.
     seeds : int
-        Runs that are meant over this light; see ``run``.
+        Runs that are meant over this light; with more than one, what light has left the store is
+        rendered again. See ``run``.
     **options
         Sun, rate, span, size, samples, variant, store, threads.
 
@@ -93,13 +98,19 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     -------
     dict
         The score.
-    """
-    render(case, out, seeds=seeds, **options)
-    estimate(out)
-    if seeds > 1:
-        from bench.repeated_runs import repeat_runs
 
-        repeat_runs(out, seeds)
+    Raises
+    ------
+    RvbenchError
+        Each says what to do; nothing already rendered is lost.
+    """
+    from bench.repeated_runs import repeat_runs, runs_left
+
+    if not 1 <= seeds <= MOST_RUNS:
+        raise ScenarioError(f"expected --seeds from 1 to {MOST_RUNS}, got {seeds}")
+    render(case, out, seeds=seeds if runs_left(out, seeds) else 1, **options)
+    estimate(out)
+    repeat_runs(out, seeds)
     scored = score(out)
     report(out)
     return scored

@@ -25,7 +25,7 @@ from models.dataset import (
     read_markers,
     read_prior,
 )
-from models.errors import DatasetError, ScenarioError
+from models.errors import DatasetError, ScenarioError, cause
 from models.frame import FlightKnowledge, Frame, MarkerPattern
 from models.sensor import Detector
 
@@ -153,7 +153,7 @@ def read_grey(path: Path) -> Image:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise DatasetError(f"expected an image at {path}, got: {error}") from error
+        raise DatasetError(f"expected an image at {path}, got: {cause(error)}") from error
     whole = data.rstrip(b"\0").endswith(b"IEND\xaeB`\x82")
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if whole else None
     if image is None:

@@ -38,10 +38,15 @@ def repeat_runs(folder: Path, runs: int) -> list[int]:
     DatasetError
         If the light of a frame has left the radiance store.
     """
-    done_now = [number for number in range(1, runs) if not is_done(folder, number)]
+    done_now = runs_left(folder, runs)
     for number in done_now:
         _repeat(folder, number)
     return done_now
+
+
+def runs_left(folder: Path, runs: int) -> list[int]:
+    """Return the numbers of the runs from 1 to ``runs`` - 1 that are not done."""
+    return [number for number in range(1, runs) if not is_done(folder, number)]
 
 
 def is_done(folder: Path, number: int) -> bool:

@@ -19,7 +19,7 @@ from bench.score_card import SCORE_FORMAT, SCORE_VERSION, Score
 from bench.variant_score import score_variant
 from models.atomic_file import write_text
 from models.dataset import read_info
-from models.errors import DatasetError
+from models.errors import DatasetError, cause
 
 SIGNIFICANT_DIGITS = 9  # far below any error, far above what differs between processors
 
@@ -74,7 +74,7 @@ def read_score(folder: Path) -> dict[str, Any]:
         table = json.loads(path.read_text())
     except (OSError, ValueError) as error:
         raise DatasetError(
-            f"expected a score at {path}, got: {error}; run `rvbench score {folder}` first"
+            f"expected a score at {path}, got: {cause(error)}; run `rvbench score {folder}` first"
         ) from error
     known = isinstance(table, dict) and table.get("format") == SCORE_FORMAT
     if not known or table.get("version") != SCORE_VERSION:

@@ -96,8 +96,6 @@ class Run(Render):
 
     def run(self) -> int:
         """Do the whole job."""
-        if self.seeds < 1:
-            raise ScenarioError(f"expected --seeds of at least 1, got {self.seeds}")
         scored = api.run(self.case, self.out, seeds=self.seeds, **self.options())
         _print_summary(scored)
         print(f"score:  {self.out / 'score.json'}")

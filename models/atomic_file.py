@@ -1,11 +1,61 @@
-"""Files that are whole or not there: written beside, flushed, then renamed into place."""
+"""Files that are whole or not there: written beside, flushed, then renamed into place.
+
+What is being written lies beside its place as ``.NAME.MACHINE-PROCESS.part``. A killed process
+leaves such a file behind; ``sweep_scratch`` takes away those whose writer is no more.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import os
+import platform
+import re
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from models.errors import StorageError
+from models.errors import StorageError, cause
+
+A_DAY_S = 86_400.0  # no file takes so long to write
+MACHINE = hashlib.sha256(platform.node().encode()).hexdigest()[:8]
+SCRATCH_NAME = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<process>\d+)\.part")
+_BEGAN_S = time.time()
+
+
+@contextmanager
+def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]:
+    """Give a scratch path to write to; at the end it takes the place of ``path``.
+
+    Parameters
+    ----------
+    path : Path
+        Its folder is made if needed.
+    size_bytes : int, optional
+        For the message, where known.
+
+    Raises
+    ------
+    StorageError
+        If the disk is full or read-only; what stood at ``path`` before still does.
+    """
+    scratch = path.with_name(f".{path.name}.{MACHINE}-{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield scratch
+            with scratch.open("rb") as file:
+                os.fsync(file.fileno())
+            scratch.replace(path)
+        finally:
+            scratch.unlink(missing_ok=True)
+    except OSError as error:
+        size = "" if size_bytes is None else f" ({size_bytes} bytes)"
+        raise StorageError(
+            f"expected to write {path}{size}, got: {cause(error)}; "
+            "free some space or choose a folder you can write; "
+            "everything written so far is whole, and the same command goes on from there"
+        ) from error
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -16,26 +66,59 @@ def write_bytes(path: Path, data: bytes) -> None:
     StorageError
         If the disk is full or read-only; what stood at ``path`` before still does.
     """
-    scratch = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with scratch.open("wb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            scratch.replace(path)
-        except OSError:
-            scratch.unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise StorageError(
-            f"expected to write {path} ({len(data)} bytes), got: {error}; "
-            "free some space or choose a folder you can write; "
-            "everything written so far is whole, and the same command goes on from there"
-        ) from error
+    with whole_or_absent(path, len(data)) as scratch:
+        scratch.write_bytes(data)
 
 
 def write_text(path: Path, text: str) -> None:
     """Write UTF-8 text atomically; see ``write_bytes``."""
     write_bytes(path, text.encode())
+
+
+def sweep_scratch(folder: Path) -> int:
+    """Delete what killed processes left half written in a folder and in those below it.
+
+    What a living process of this machine writes is left alone; so is what another machine's
+    process writes to a shared folder, for a day.
+
+    Returns
+    -------
+    int
+        How many files were deleted.
+    """
+    swept = 0
+    for place, _, names in os.walk(folder):
+        for name in names:
+            scratch = Path(place, name)
+            try:
+                if _is_abandoned(scratch):
+                    scratch.unlink()
+                    swept += 1
+            except OSError:  # another process was quicker, or nothing can be deleted here
+                continue
+    return swept
+
+
+def _is_abandoned(scratch: Path) -> bool:
+    named = SCRATCH_NAME.fullmatch(scratch.name)
+    if named is None:
+        return False
+    written_s = scratch.stat().st_ctime  # a link to an old file is a new scratch file
+    if time.time() - written_s > A_DAY_S:
+        return True
+    if named["machine"] != MACHINE:
+        return False
+    process = int(named["process"])
+    if process == os.getpid():
+        return written_s < _BEGAN_S  # an earlier process had our number
+    return not _is_alive(process)
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):
+        return True
+    return True

@@ -15,7 +15,7 @@ import tomli_w
 from numpy.typing import ArrayLike
 
 from models.arrays import Floats, Mask
-from models.errors import ScenarioError
+from models.errors import ScenarioError, cause
 
 UNDISTORT_TOLERANCE = 1e-12  # in normalised coordinates: 2e-9 px at f = 2196 px
 UNDISTORT_ITERATIONS = 50
@@ -212,7 +212,9 @@ class Camera:
         try:
             table = tomllib.loads(path.read_text())
         except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise ScenarioError(f"{path}: expected a camera as TOML, got: {error}") from error
+            raise ScenarioError(
+                f"{path}: expected a camera as TOML, got: {cause(error)}"
+            ) from error
         known = {field.name for field in fields(cls)}
         unknown = sorted(set(table) - known)
         missing = sorted({"width", "height", "fx", "fy", "cx", "cy"} - set(table))

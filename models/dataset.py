@@ -30,7 +30,7 @@ import tomli_w
 
 from models.arrays import Floats, Image
 from models.camera import Camera
-from models.errors import DatasetError
+from models.errors import DatasetError, cause
 from models.frame import FlightKnowledge, Frame, MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensor import Detector
@@ -95,13 +95,16 @@ def read_image(path: Path) -> Image:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise DatasetError(f"expected an image at {path}, got: {error}") from error
+        raise DatasetError(
+            f"expected an image at {path}, got: {cause(error)}; "
+            "render again: only what is missing is rendered"
+        ) from error
     whole = data.startswith(b"\x89PNG") and data.rstrip(b"\0").endswith(b"IEND\xaeB`\x82")
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if whole else None
     if image is None:
         raise DatasetError(
             f"expected a whole PNG at {path}, got {len(data)} bytes that are not; "
-            "delete it and render again"
+            "delete it and render again: only what is missing is rendered"
         )
     if image.ndim != 2 or image.dtype != np.uint16:
         raise DatasetError(
@@ -115,7 +118,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DatasetError(f"expected a TOML file at {path}, got: {error}") from error
+        raise DatasetError(f"expected a TOML file at {path}, got: {cause(error)}") from error
 
 
 def read_info(folder: Path) -> DatasetInfo:
@@ -125,7 +128,8 @@ def read_info(folder: Path) -> DatasetInfo:
         table = json.loads(path.read_text())
     except (OSError, ValueError) as error:
         raise DatasetError(
-            f"expected a dataset in {folder}, with a dataset.json; got: {error}"
+            f"expected a dataset in {folder}, with a dataset.json; got: {cause(error)}; "
+            "`rvbench render` makes one"
         ) from error
     if not isinstance(table, dict) or table.get("format") != FORMAT:
         raise DatasetError(f"{path}: expected format {FORMAT!r}, got another; is it ours?")
@@ -202,7 +206,7 @@ def read_markers(path: Path) -> MarkerPattern:
     except (KeyError, ValueError, TypeError) as error:
         raise DatasetError(
             f"{path}: expected radius_m and [[marker]] tables with name, point_in_target_m and "
-            f"normal_in_target; got: {error!r}"
+            f"normal_in_target; got: {cause(error)}"
         ) from error
 
 
@@ -234,7 +238,7 @@ def read_prior(path: Path) -> tuple[RigidTransform, Floats, Floats]:
     except (KeyError, ValueError, TypeError) as error:
         raise DatasetError(
             f"{path}: expected t_cam_from_target_m, euler_321_deg, sigma_t_m and "
-            f"sigma_euler_deg, three numbers each; got: {error!r}"
+            f"sigma_euler_deg, three numbers each; got: {cause(error)}"
         ) from error
     return prior, sigma_m, sigma_deg
 
@@ -276,7 +280,7 @@ def read_frame_entries(folder: Path) -> list[FrameEntry]:
             ]
     except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
         raise DatasetError(
-            f"expected {path} with the columns index, time_s, exposure_ms; got: {error!r}"
+            f"expected {path} with the columns index, time_s, exposure_ms; got: {cause(error)}"
         ) from error
     for entry in entries:
         if not np.isfinite(entry.time_s) or not 0.0 < entry.exposure_ms < np.inf:

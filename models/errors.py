@@ -23,3 +23,10 @@ class VariantError(RvbenchError):
 
 class StorageError(RvbenchError):
     """A disk that is full or cannot be written."""
+
+
+def cause(error: Exception) -> str:
+    """Return what the system or a parser said, without the path that our message names already."""
+    if isinstance(error, KeyError):
+        return f"no {error.args[0]}"
+    return str(getattr(error, "strerror", None) or error)

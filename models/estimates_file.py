@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from models.atomic_file import write_text
-from models.errors import DatasetError
+from models.errors import DatasetError, cause
 from models.estimate import Detections, Estimate, NoPose, PoseEstimate
 from models.pose import RigidTransform
 
@@ -79,7 +79,7 @@ def _read_lines(path: Path) -> list[str]:
     try:
         return path.read_text().splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise DatasetError(f"expected text at {path}, got: {error}") from error
+        raise DatasetError(f"expected text at {path}, got: {cause(error)}") from error
 
 
 def write_estimates(path: Path, estimates: Iterable[Estimate]) -> None:
@@ -104,7 +104,7 @@ def read_estimates(path: Path) -> list[Estimate]:
             estimates.append(estimate_from_json(json.loads(line)))
         except (KeyError, TypeError, ValueError) as error:
             raise DatasetError(
-                f"{path}:{number}: expected one estimate as JSON, got: {error!r}; "
+                f"{path}:{number}: expected one estimate as JSON, got: {cause(error)}; "
                 "delete the file and estimate again"
             ) from error
     return estimates

@@ -24,12 +24,13 @@ from rich.progress import (
 from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.dataset import DatasetInfo, FrameEntry
+from models.errors import DatasetError, StorageError
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
 from renders.dataset_writer import DatasetWriter, write_geometry_entry
 from renders.light_groups import LightGroup
 from renders.light_keys import LightKeys
-from renders.replay import compose, exposed_frames, light_record, read_groups
+from renders.replay import compose, exposed_frames, light_record, lit_otherwise, read_groups
 from renders.scenario import RenderRequest, resolve
 from renders.store import RadianceStore, default_store, read_exr
 from renders.truth import ExposureTruth
@@ -49,15 +50,18 @@ class Studio:
     markers: MarkerPattern
     scene: Any = None
     geometry: Any = None
+    placed: RigidTransform | None = None
 
     def build(self, cam_from_target: RigidTransform) -> None:
-        """Load the scene once, and put the chaser in its place."""
+        """Load the scene once, and put the chaser in its place unless it stands there."""
         from renders.scene import build_geometry, place_chaser
 
         if self.scene is None:
             self.geometry = build_geometry(self.world.target, self.world.chaser, self.world.optics)
             self.scene = self.geometry.scene()
-        place_chaser(self.scene, self.geometry, cam_from_target)
+        if self.placed is not cam_from_target:
+            place_chaser(self.scene, self.geometry, cam_from_target)
+            self.placed = cam_from_target
 
     def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
         """Return the store keys of everything that can light an exposure, by group name."""
@@ -96,7 +100,10 @@ class Studio:
         # Read back: a frame made at once and one made from the store are the same to the bit.
         stored = read_groups(self.store, self.world, exposure.band, keys)
         if stored is None:
-            raise RuntimeError(f"the store at {self.store.folder} lost what was just written")
+            raise StorageError(
+                f"expected to read back what was just written to the store {self.store.folder}, "
+                "got nothing or something else; choose another --store on a disk that keeps it"
+            )
         return stored
 
     def truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> ExposureTruth:
@@ -167,6 +174,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     entries = world.frame_entries(knowledge.prior)
     variant = choose_variant(request.variant)
     store = RadianceStore(request.store or default_store())
+    store.sweep()
     keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
     studio = Studio(world, store, keys, knowledge.markers)
     info = DatasetInfo(
@@ -190,20 +198,33 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         )
         for exposure in world.exposures
     }
-    write_text(request.out / "truth" / "light.json", light_record(store, light))
+    there = [e for e in world.exposures if writer.has_exposure(e.frame, e.band)]
+    left = [e for e in world.exposures if e not in set(there)]
+    foreign = lit_otherwise(request.out, light, [(e.frame, e.band) for e in there])
+    if foreign and (left or request.seeds > 1):
+        raise DatasetError(
+            f"expected the {len(there)} exposures that are in {request.out} to be of the light "
+            f"that {variant} gives with this rvbench; {len(foreign)} are of another variant or "
+            "version. They are kept: go on with what rendered them, or choose another --out"
+        )
+    if not foreign:
+        write_text(request.out / "truth" / "light.json", light_record(store, light))
     _activate(variant, request.threads)
     console = console or Console(stderr=True)
-    left = [e for e in world.exposures if not writer.has_exposure(e.frame, e.band)]
     console.print(
         f"{world.scenario.name}, Sun {world.scenario.sun.default}: {len(entries)} image pairs at "
         f"{world.camera.width} x {world.camera.height}, {variant}; "
-        f"{len(world.exposures) - len(left)} of {len(world.exposures)} exposures are there already"
+        f"{len(there)} of {len(world.exposures)} exposures are there already",
+        soft_wrap=True,
     )
     with _progress(console) as progress:
         task = progress.add_task("render", total=len(left))
         for exposure in left:
             _render_exposure(studio, writer, entries, exposure, poses)
             progress.advance(task)
+        if request.seeds > 1:  # other runs want the light of every frame, not only its image
+            for exposure in progress.track(there, description="light"):
+                studio.light(exposure, poses[exposure.frame, exposure.band])
     writer.finish()
 
 

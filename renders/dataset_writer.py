@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from models.arrays import Image
-from models.atomic_file import write_bytes, write_text
+from models.atomic_file import sweep_scratch, whole_or_absent, write_bytes, write_text
 from models.dataset import (
     DatasetInfo,
     FrameEntry,
@@ -31,14 +31,19 @@ from renders.store import read_exr, write_exr
 from renders.truth import ExposureTruth
 
 PNG_END = b"IEND\xaeB`\x82"
+RECORD_END = b"}\n"
 
 
 def is_whole_png(path: Path) -> bool:
     """Tell whether a PNG is there to its last byte."""
+    return _ends_with(path, PNG_END)
+
+
+def _ends_with(path: Path, end: bytes) -> bool:
     try:
         with path.open("rb") as file:
-            file.seek(-len(PNG_END), os.SEEK_END)
-            return file.read() == PNG_END
+            file.seek(-len(end), os.SEEK_END)
+            return file.read() == end
     except OSError:
         return False
 
@@ -81,12 +86,12 @@ class DatasetWriter:
             if there.provenance.get("scenario") != info.provenance.get("scenario"):
                 raise DatasetError(
                     f"expected {folder} to be empty or to hold this very scenario "
-                    f"({info.case}, Sun {info.sun}, {info.frames} frames); it holds {there.case}, "
-                    f"Sun {there.sun}, {there.frames} frames, with other settings; "
-                    "choose another --out, or delete it"
+                    f"({_told(info)}); it holds another ({_told(there)}{_in_what(there, info)}); "
+                    "nothing was changed: choose another --out, or delete it"
                 )
         elif folder.exists() and not folder.is_dir():
             raise DatasetError(f"expected a folder at {folder}, found a file")
+        sweep_scratch(folder)
         write_text(folder / "dataset.json", info_to_json(info))
         write_text(folder / "camera.toml", knowledge.camera.to_toml())
         write_text(folder / "detector.toml", detector_to_toml(knowledge.detector))
@@ -113,7 +118,7 @@ class DatasetWriter:
         return (
             is_whole_png(image_path(self.folder, frame, band))
             and is_whole_png(self.labels_path(frame, band))
-            and self.truth_path(frame, band).is_file()
+            and _ends_with(self.truth_path(frame, band), RECORD_END)
             and self.geometry_path(frame, band).is_file()
         )
 
@@ -147,6 +152,14 @@ class DatasetWriter:
         write_text(self.folder / "truth" / "exposures.jsonl", "".join(lines))
 
 
+def _told(info: DatasetInfo) -> str:
+    return f"{info.case}, Sun {info.sun}, frames: {info.frames}"
+
+
+def _in_what(there: DatasetInfo, info: DatasetInfo) -> str:
+    return ", with other settings" if _told(there) == _told(info) else ""
+
+
 def write_geometry_entry(path: Path, truth: PixelTruth) -> None:
     """Write labels, depth (float) and normals (half) of an exposure as one store entry."""
     normals = truth.normals_in_target.astype(np.float16)
@@ -164,16 +177,9 @@ def write_geometry_entry(path: Path, truth: PixelTruth) -> None:
 
 def link_or_copy(source: Path, place: Path) -> None:
     """Put ``source`` at ``place`` without spending disk where the two share one."""
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        place.unlink(missing_ok=True)
+    with whole_or_absent(place) as scratch:
+        scratch.unlink(missing_ok=True)
         try:
-            os.link(source, place)
+            os.link(source, scratch)
         except OSError:
-            scratch = place.with_name(f".{place.name}.{os.getpid()}.part")
             shutil.copyfile(source, scratch)
-            scratch.replace(place)
-    except OSError as error:
-        raise StorageError(
-            f"expected to write {place}, got: {error}; free some space or choose another --out"
-        ) from error

@@ -7,13 +7,12 @@ entries of each exposure, so no Mitsuba is loaded.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from models.arrays import Image, Radiance
 from models.dataset import FrameEntry
-from models.errors import DatasetError
+from models.errors import DatasetError, cause
 from models.frame import FlightKnowledge, Frame
 from renders.expose import electron_rate, expose_electrons, exposure_rng, mean_electrons
 from renders.light_groups import LightGroup
@@ -57,19 +56,52 @@ def read_groups(
 
 def light_record(store: RadianceStore, keys: Mapping[tuple[int, int], Mapping[str, str]]) -> str:
     """Return the text of ``truth/light.json``."""
-    exposures = {f"{frame:06d}_{band}": dict(names) for (frame, band), names in keys.items()}
+    exposures = {_named(frame, band): dict(names) for (frame, band), names in keys.items()}
     table = {"store": str(store.folder.resolve()), "exposures": exposures}
     return json.dumps(table, indent=1) + "\n"
 
 
-def _read_light_record(folder: Path) -> dict[str, Any]:
+def read_light_record(folder: Path) -> tuple[RadianceStore, dict[str, dict[str, str]]]:
+    """Read ``truth/light.json``: the store, and the keys of each exposure by group name.
+
+    Raises
+    ------
+    DatasetError
+        If it is missing or broken.
+    """
     path = folder / "truth" / "light.json"
     try:
-        return dict(json.loads(path.read_text()))
-    except (OSError, ValueError) as error:
+        table = json.loads(path.read_text())
+        exposures = {str(name): dict(keys) for name, keys in table["exposures"].items()}
+        return RadianceStore(Path(table["store"])), exposures
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise DatasetError(
-            f"expected the light's keys at {path}, got: {error}; render the dataset again"
+            f"expected the light's keys at {path}, got: {cause(error)}; render again"
         ) from error
+
+
+def lit_otherwise(
+    folder: Path,
+    keys: Mapping[tuple[int, int], Mapping[str, str]],
+    rendered: Iterable[tuple[int, int]],
+) -> list[tuple[int, int]]:
+    """Return those of the rendered exposures whose light is on record with other keys.
+
+    Another variant or another version of the house made them; a folder without a record has none.
+    """
+    try:
+        _, recorded = read_light_record(folder)
+    except DatasetError:
+        return []
+    return [
+        (frame, band)
+        for frame, band in rendered
+        if recorded.get(_named(frame, band), keys[frame, band]) != keys[frame, band]
+    ]
+
+
+def _named(frame: int, band: int) -> str:
+    return f"{frame:06d}_{band}"
 
 
 def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Frame]]:
@@ -88,19 +120,18 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
         If the dataset was not rendered here, or an entry has left the store.
     """
     world = World(read_scenario(folder / "truth" / "scenario.toml"))
-    record = _read_light_record(folder)
-    store = RadianceStore(Path(record["store"]))
+    store, recorded = read_light_record(folder)
     knowledge = world.knowledge(run)
     entries = world.frame_entries(knowledge.prior)
 
     def image(entry: FrameEntry, band: int) -> Image:
         exposure = Exposure(entry.index, band, entry.time_s)
-        keys = record["exposures"][f"{entry.index:06d}_{band}"]
+        keys = recorded.get(_named(entry.index, band), {})
         groups = read_groups(store, world, band, keys)
         if groups is None:
             raise DatasetError(
                 f"expected the light of frame {entry.index} at {band} nm in {store.folder}, "
-                "found it absent or damaged; run the render again to bring it back"
+                "found it absent or damaged; run the same command again to bring it back"
             )
         return compose(world, groups, exposure, entry.exposure_ms, run)
 

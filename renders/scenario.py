@@ -15,14 +15,24 @@ from pathlib import Path
 from typing import Any, Literal
 
 import tomli_w
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
 
 from models.camera import Camera, camera_preset
-from models.errors import ScenarioError
+from models.errors import ScenarioError, cause
 from models.lights.sun import sun_direction
 from models.sensor import Detector, Optics
+from renders.scenario_errors import explain
 
 CASES = Path(__file__).resolve().parent.parent / "bench" / "cases"
+OPTIONS = {
+    "motion.rate_hz": "--rate-hz",
+    "motion.start_s": "--span-s (its start)",
+    "motion.end_s": "--span-s (its end)",
+    "camera.width": "--width",
+    "render.samples": "--spp",
+    "sun.default": "--sun",
+}
+"""Which option stands for which key."""
 
 
 class Table(BaseModel):
@@ -79,7 +89,7 @@ class LampsTable(Table):
 class SunTable(Table):
     """Where the Sun stands: S1 to S7, or a vector x,y,z in the target frame."""
 
-    default: str = "S2"
+    default: str = Field("S2", description='S1 to S7, or a vector such as "0.2,-0.5,1"')
     shared: tuple[str, ...] = Field((), description="Suns rendered in one pass with any other")
 
 
@@ -119,8 +129,8 @@ class ExposureTable(Table):
 class PriorTable(Table):
     """1-sigma of the first pose, Opromolla 2022 Table 5."""
 
-    sigma_t_m: tuple[float, float, float] = (0.017, 0.017, 0.05)
-    sigma_euler_deg: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    sigma_t_m: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat] = (0.017, 0.017, 0.05)
+    sigma_euler_deg: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat] = (1.0, 1.0, 1.0)
 
 
 class CalibrationTable(Table):
@@ -213,7 +223,8 @@ class RenderRequest:
     variant : str
         auto, llvm, cuda or scalar.
     seeds : int
-        Runs over the same light, each with its own detector noise and prior.
+        Runs that are meant over the same light; above 1, light that has left the store is
+        rendered again even where its frame is there.
     store : Path, optional
         Folder of the radiance store.
     threads : int, optional
@@ -261,31 +272,6 @@ def case_path(case: str) -> Path:
     )
 
 
-def _known_keys(location: tuple[Any, ...]) -> list[str]:
-    model: type[BaseModel] = Scenario
-    for key in location:
-        annotation = model.model_fields[key].annotation if key in model.model_fields else None
-        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
-            return []
-        model = annotation
-    return list(model.model_fields)
-
-
-def _explain(path: Path, error: ValidationError) -> str:
-    lines = []
-    for item in error.errors():
-        location = item["loc"]
-        key = ".".join(str(part) for part in location)
-        if item["type"] == "extra_forbidden":
-            known = _known_keys(location[:-1])
-            near = difflib.get_close_matches(str(location[-1]), known, n=1)
-            hint = f"; perhaps you meant {near[0]}" if near else ""
-            lines.append(f"unknown key {key}; expected one of {', '.join(known)}{hint}")
-        else:
-            lines.append(f"{key}: {item['msg'].lower()}, got {item['input']!r}")
-    return f"{path}: " + "; ".join(lines)
-
-
 def read_scenario(path: Path) -> Scenario:
     """Read a scenario file.
 
@@ -298,20 +284,26 @@ def read_scenario(path: Path) -> Scenario:
     try:
         table = tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: expected a scenario as TOML, got: {error}") from error
+        raise ScenarioError(f"{path}: expected a scenario as TOML, got: {cause(error)}") from error
     try:
         scenario = Scenario(**table)
     except ValidationError as error:
-        raise ScenarioError(_explain(path, error)) from error
+        raise ScenarioError(explain(str(path), error, Scenario, {})) from error
     return check_scenario(scenario, str(path))
 
 
 def check_scenario(scenario: Scenario, where: str) -> Scenario:
     """Refuse what no single key can show: an empty span, a Sun that is none, odd samples."""
-    if scenario.motion.end_s < scenario.motion.start_s:
+    motion = scenario.motion
+    if motion.pair_gap_ms * motion.rate_hz >= 1e3:
+        raise ScenarioError(
+            f"{where}: expected motion.pair_gap_ms below the time between pairs, "
+            f"{1e3 / motion.rate_hz:g} ms at {motion.rate_hz:g} Hz, got {motion.pair_gap_ms:g} ms"
+        )
+    if motion.end_s < motion.start_s:
         raise ScenarioError(
             f"{where}: expected motion.end_s after motion.start_s, "
-            f"got {scenario.motion.start_s} to {scenario.motion.end_s} s"
+            f"got {motion.start_s} to {motion.end_s} s"
         )
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
@@ -335,8 +327,12 @@ def resolve(request: RenderRequest) -> Scenario:
     ScenarioError
         If the case, an option, or their combination cannot be used.
     """
-    path = case_path(request.case)
-    scenario = read_scenario(path)
+    if request.threads is not None and request.threads < 1:
+        raise ScenarioError(
+            f"expected --threads of at least 1, got {request.threads}; "
+            "leave it out to use all cores"
+        )
+    scenario = read_scenario(case_path(request.case))
     motion = {
         key: getattr(request, key)
         for key in ("rate_hz", "start_s", "end_s")
@@ -354,5 +350,5 @@ def resolve(request: RenderRequest) -> Scenario:
     try:
         changed = Scenario(**table)
     except ValidationError as error:
-        raise ScenarioError(_explain(Path("options"), error)) from error
-    return check_scenario(changed, f"{path} with the options given")
+        raise ScenarioError(explain(request.case, error, Scenario, OPTIONS)) from error
+    return check_scenario(changed, f"{request.case} with the options given")

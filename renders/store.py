@@ -18,7 +18,7 @@ import numpy as np
 import OpenEXR
 
 from models.arrays import AnyArray, Radiance
-from models.errors import StorageError
+from models.atomic_file import sweep_scratch, whole_or_absent
 
 STORE_VERSION = 1
 HALF_MAX = 65504.0  # a glint brighter than this saturates any detector a thousandfold
@@ -46,25 +46,17 @@ def write_exr(path: Path, channels: Mapping[str, AnyArray]) -> None:
     StorageError
         If the disk is full or read-only.
     """
-    scratch = path.with_name(f".{path.stem}.{os.getpid()}.part.exr")
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "rvbench_sha256": _pixels_hash(channels),
     }
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_or_absent(path) as scratch:
         try:
             with OpenEXR.File(header, dict(channels)) as file:
                 file.write(str(scratch))
-            scratch.replace(path)
-        finally:
-            scratch.unlink(missing_ok=True)
-    except (OSError, RuntimeError) as error:
-        raise StorageError(
-            f"expected to write {path}, got: {error}; free some space or choose a folder that "
-            "can be written; everything written so far is whole, and the same command goes on"
-        ) from error
+        except RuntimeError as error:  # OpenEXR's word for a full disk
+            raise OSError(str(error).rstrip(".").rpartition('". ')[2]) from error
 
 
 def read_exr(path: Path) -> dict[str, AnyArray] | None:
@@ -99,6 +91,10 @@ class RadianceStore:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+
+    def sweep(self) -> None:
+        """Delete what killed processes left half written."""
+        sweep_scratch(self.folder)
 
     def path(self, key: str) -> Path:
         """Return where the entry of ``key`` lies, whether it is there or not."""

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from models.arrays import Floats
-from models.errors import DatasetError
+from models.errors import DatasetError, cause
 from models.pose import RigidTransform
 
 
@@ -126,7 +126,9 @@ def read_exposures(folder: Path) -> dict[tuple[int, int], ExposureTruth]:
         try:
             truth = ExposureTruth.from_json(json.loads(line))
         except (KeyError, TypeError, ValueError) as error:
-            raise DatasetError(f"{path}:{number}: expected one exposure, got: {error!r}") from error
+            raise DatasetError(
+                f"{path}:{number}: expected one exposure, got: {cause(error)}"
+            ) from error
         exposures[truth.frame, truth.band] = truth
     return exposures
 
@@ -137,4 +139,4 @@ def read_part_names(folder: Path) -> tuple[str, ...]:
     try:
         return tuple(json.loads(path.read_text()))
     except (OSError, ValueError) as error:
-        raise DatasetError(f"expected part names at {path}, got: {error}") from error
+        raise DatasetError(f"expected part names at {path}, got: {cause(error)}") from error

@@ -145,7 +145,7 @@ class World:
                 raise ScenarioError(
                     f"expected the camera outside the target; at {exposure.time_s:.1f} s it is at "
                     f"({where}) m in the target frame, inside {self.target.name}; "
-                    "end the motion earlier (motion.end_s or --end-s)"
+                    "end the motion earlier (motion.end_s, or --span-s)"
                 )
 
     def knowledge(self, run: int) -> FlightKnowledge:

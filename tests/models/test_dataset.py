@@ -219,11 +219,11 @@ def test_a_detector_that_cannot_be_is_refused(folder: Path, old: str, new: str, 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("radius_m = 0.0127\n", "", "KeyError\\('radius_m'\\)"),
+        ("radius_m = 0.0127\n", "", "no radius_m"),
         ("radius_m = 0.0127", "radius_m = -0.0127", "radius in m above zero"),
-        ("[[marker]]", "[[markers]]", "KeyError\\('marker'\\)"),
+        ("[[marker]]", "[[markers]]", "no marker"),
         ('name = "2"', 'name = "1"', "each marker's name once"),
-        ('name = "2"', 'nom = "2"', "KeyError\\('name'\\)"),
+        ('name = "2"', 'nom = "2"', "no name"),
         ("    1.1,\n", "", "inhomogeneous"),
         ("    1.1,\n", "    nan,\n", "finite points"),
     ],
@@ -272,8 +272,8 @@ HEADER = "index,time_s,exposure_ms\n"
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("index,time_s\n0,0.0\n", "KeyError\\('exposure_ms'\\)"),
-        (HEADER + "0,0.0\n", "TypeError"),
+        ("index,time_s\n0,0.0\n", "no exposure_ms"),
+        (HEADER + "0,0.0\n", "not 'NoneType'"),
         (HEADER + "zero,0.0,1.0\n", "invalid literal"),
         (HEADER + "0,nan,1.0\n", "finite time and a positive exposure"),
         (HEADER + "0,0.0,0.0\n", "finite time and a positive exposure"),

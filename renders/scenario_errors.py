@@ -1,0 +1,97 @@
+"""What is wrong with a scenario, said so that its writer can mend it: expected, came, perhaps."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+EXPECTATIONS = {
+    "greater_than": "above {gt:g}",
+    "greater_than_equal": "of at least {ge:g}",
+    "less_than": "below {lt:g}",
+    "less_than_equal": "of at most {le:g}",
+    "finite_number": "to be finite",
+    "int_type": "to be a whole number",
+    "int_parsing": "to be a whole number",
+    "int_from_float": "to be a whole number",
+    "float_type": "to be a number",
+    "float_parsing": "to be a number",
+    "bool_type": "to be true or false",
+    "bool_parsing": "to be true or false",
+    "string_type": "to be text",
+    "tuple_type": "to be a list",
+    "model_type": "to be a table",
+    "too_long": "to be a list of {max_length}",
+    "missing": "to be a list of {length}",
+}
+"""What pydantic's kinds of error come to, in the words of someone who writes TOML."""
+
+
+def explain(
+    where: str, error: ValidationError, root: type[BaseModel], options: Mapping[str, str]
+) -> str:
+    """Return everything that is wrong, in one line.
+
+    Parameters
+    ----------
+    where : str
+        The file, or what else was read.
+    error : ValidationError
+    root : type of BaseModel
+        Whose keys and descriptions help.
+    options : mapping of str to str
+        Keys that were typed as options, and the option's name.
+    """
+    said = [_item(dict(item), root, options) for item in error.errors()]
+    return f"{where}: " + "; ".join(dict.fromkeys(said))
+
+
+def _item(item: dict[str, Any], root: type[BaseModel], options: Mapping[str, str]) -> str:
+    location, kind, came = item["loc"], item["type"], item["input"]
+    if kind == "extra_forbidden":
+        return _unknown(location, root)
+    too_short = kind == "missing" and isinstance(location[-1], int)
+    if kind == "missing" and not too_short:
+        return f"expected the key {_key(location)}, got none"
+    location = location[:-1] if too_short else location
+    field = _field(location, root)
+    length = len(get_args(field.annotation)) if field is not None else 0
+    expected = f"otherwise ({item['msg'].lower()})"
+    if kind in EXPECTATIONS:
+        expected = EXPECTATIONS[kind].format(length=length, **item.get("ctx", {}))
+    hint = f" ({field.description})" if field is not None and field.description else ""
+    key = options.get(_key(location), _key(location))
+    return f"expected {key} {expected}{hint}, got {came!r}"
+
+
+def _unknown(location: tuple[Any, ...], root: type[BaseModel]) -> str:
+    table = _table(location[:-1], root)
+    known = list(table.model_fields) if table is not None else []
+    near = difflib.get_close_matches(str(location[-1]), known, n=1)
+    hint = f"; perhaps you meant {near[0]}" if near else ""
+    return f"unknown key {_key(location)}; expected one of {', '.join(known)}{hint}"
+
+
+def _key(location: tuple[Any, ...]) -> str:
+    return ".".join(str(part) for part in location)
+
+
+def _field(location: tuple[Any, ...], root: type[BaseModel]) -> FieldInfo | None:
+    table = _table(location[:-1], root)
+    return None if table is None else table.model_fields.get(location[-1])
+
+
+def _table(location: tuple[Any, ...], root: type[BaseModel]) -> type[BaseModel] | None:
+    """Return the table at a location, or None if there is none."""
+    table = root
+    for key in location:
+        field = table.model_fields.get(key)
+        inner = field.annotation if field is not None else None
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return None
+        table = inner
+    return table
