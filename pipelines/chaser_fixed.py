@@ -190,12 +190,14 @@ class ChaserFixed:
 
     def _refined(self, frame: Frame, coarse: Solution) -> Solution:
         """Fit the discs and solve again; where too few can be fitted, the coarse pose stands."""
+        before = self._motion.shortly_before(frame.time_s, coarse.pose, self._options.pair_gap_s)
         fitted = fit_markers(
             frame,
             self._camera,
             self._detector,
             self._markers,
             coarse.pose,
+            before,
             self._blur,
             self._options,
         )

@@ -101,6 +101,9 @@ class ChaserFixedOptions:
         Whether to look round the predicted markers first, and at the whole image only in need.
     verify : bool
         Whether to reject outlying matches, and to try P3P hypotheses where the matches disagree.
+    pair_gap_s : float, s
+        From the 800 nm exposure to the 850 nm one (Table 1: 30 Hz); the disc fit takes the motion
+        between them out. 0 takes the images as they are.
     psf_sigma_px : float, px
         Expected blur of the lens; the fit refines it per disc.
     psf_tolerance_px : float, px
@@ -139,6 +142,7 @@ class ChaserFixedOptions:
     prediction: Prediction = "last_pose"
     search_regions: bool = False
     verify: bool = False
+    pair_gap_s: float = 0.033
     psf_sigma_px: float = 0.5
     psf_tolerance_px: float = 0.25
     centroid_floor_px: float = 0.0015

@@ -14,12 +14,14 @@ from models.sensor import Detector
 from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
+from pipelines.detection.pair_alignment import aligned_patch
 from pipelines.match import Match
 from pipelines.options import ChaserFixedOptions
 
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0
 SIZE_LIMITS = (0.75, 1.33)
+FURTHEST_MOTION_PX = 2.0  # within a pair; beyond it the velocity is not to be believed
 FURTHEST_RADII = 0.5  # a disc further from where the pose says is another thing
 
 
@@ -57,6 +59,7 @@ def fit_markers(
     detector: Detector,
     markers: MarkerPattern,
     pose: RigidTransform,
+    pose_800: RigidTransform,
     blur: ExpectedBlur,
     options: ChaserFixedOptions,
 ) -> FittedMarkers:
@@ -67,10 +70,14 @@ def fit_markers(
     frame, camera, detector, markers
     pose : RigidTransform
         ``cam_from_target``, good to about a marker's radius.
+    pose_800 : RigidTransform
+        The same when the 800 nm image was taken, as far as it is known.
     blur : ExpectedBlur
     options : ChaserFixedOptions
     """
     outlines = disc_outlines(camera, pose, markers)
+    motions = camera.project(pose @ markers.points_in_target)
+    motions = np.nan_to_num(motions - camera.project(pose_800 @ markers.points_in_target))
     level = saturation_level_dn(detector)
     points: list[Floats] = []
     covariances: list[Floats] = []
@@ -81,10 +88,18 @@ def fit_markers(
         centre = outlines.area_centres_px[index]
         if radius < LEAST_RADIUS_PX or not camera.contains(centre, options.s_bord * radius):
             continue
-        fit = fit_disc(
+        patch = aligned_patch(
             frame.image_800,
             frame.image_850,
             centre,
+            np.sqrt(np.diag(outlines.shapes_px2[index])),
+            np.clip(motions[index], -FURTHEST_MOTION_PX, FURTHEST_MOTION_PX),
+            level,
+        )
+        fit = fit_disc(
+            patch.image_800,
+            patch.image_850,
+            centre - patch.corner_px,
             outlines.shapes_px2[index],
             detector,
             level,

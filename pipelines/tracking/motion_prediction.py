@@ -92,6 +92,18 @@ class MotionPrediction:
             return PredictedPose(last.pose, still, self._lost_frames)
         return self._carried_on(ahead_s)
 
+    def shortly_before(self, time_s: float, pose: RigidTransform, ago_s: float) -> RigidTransform:
+        """Return the pose ``ago_s`` before ``pose``, at the mean velocity since the last one.
+
+        Before there is a last pose, or where time stood still, that is ``pose`` itself.
+        """
+        if not self._known or time_s <= self._known[-1].time_s:
+            return pose
+        last = self._known[-1]
+        share = min(ago_s / (time_s - last.time_s), 1.0)
+        turn = Rotation.from_matrix(last.pose.rotation @ pose.rotation.T).as_rotvec()
+        return pose.perturbed(share * turn, share * (last.pose.translation - pose.translation))
+
     def _carried_on(self, ahead_s: float) -> PredictedPose:
         before, last = self._known
         baseline_s = last.time_s - before.time_s
