@@ -24,9 +24,13 @@ WORSE = 1.0 + 1e-6  # growth of the cost that is not rounding
 LONGEST_STEP_PX = 1.0
 SIZE_TOLERANCE = 0.05  # 1-sigma of the predicted radius, relative
 CROSSTALK_TOLERANCE = 0.1  # 1-sigma of the share that neighbours exchange
+RAMP_TOLERANCE = 0.03  # 1-sigma of the brightness's change over one radius, relative
+OBSERVED = np.array([2, 3, 4, 6, 7])  # the parameters that these four are about
 SIGNIFICANT = 4.0  # sigmas of chi-square above which a misfit is one of shape
 # How far a cut that leaves a misfit of 1 pulls the centre (measured by cutting discs from a side).
 PULL_PX, PULL_PX3 = 2.8, 18.0
+# 1-sigma of the centre from taking the edge within a pixel as straight, where no blur softens it.
+BENT_EDGE_PX3, SOFT_EDGE_PX = 0.02, 0.35
 MODEL_MISFIT = 0.002  # what the model itself leaves at worst, scattered over the pixels
 MIN_PIXELS = 2 * PARAMETERS
 
@@ -74,13 +78,16 @@ class DiscFit:
 
 @dataclass(frozen=True, eq=False)
 class _Prior:
-    """What is known of size, blur and crosstalk, as three more observations."""
+    """What is known of size, blur, crosstalk and ramp, as five more observations."""
 
     blur: ExpectedBlur
+    ramp_tolerance_dn_px: float
 
     @property
     def weight(self) -> Floats:
-        return np.array([SIZE_TOLERANCE, self.blur.tolerance_px, CROSSTALK_TOLERANCE]) ** -2.0
+        ramp = self.ramp_tolerance_dn_px
+        sigmas = [SIZE_TOLERANCE, self.blur.tolerance_px, CROSSTALK_TOLERANCE, ramp, ramp]
+        return np.array(sigmas) ** -2.0
 
     def residual(self, parameters: DiscParameters) -> Floats:
         return np.array(
@@ -88,6 +95,7 @@ class _Prior:
                 1.0 - parameters.size,
                 self.blur.psf_sigma_px - parameters.blur_px,
                 -parameters.crosstalk,
+                *-parameters.ramp_dn_px,
             ]
         )
 
@@ -95,8 +103,8 @@ class _Prior:
         return float(np.sum(self.weight * self.residual(parameters) ** 2))
 
     def add_to(self, normal: Floats, right: Floats, parameters: DiscParameters) -> None:
-        normal[[2, 3, 4], [2, 3, 4]] += self.weight
-        right[2:5] += self.weight * self.residual(parameters)
+        normal[OBSERVED, OBSERVED] += self.weight
+        right[OBSERVED] += self.weight * self.residual(parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +133,21 @@ class _Accepted:
         return cost > self.total * WORSE
 
 
+def _start(window: DiscWindow, shape_inverse: Floats, blur: ExpectedBlur) -> DiscParameters:
+    x, y = window.x[:, 1:-1], window.y[1:-1]
+    cross = 2.0 * shape_inverse[0, 1] * x * y
+    inside = shape_inverse[0, 0] * x**2 + cross + shape_inverse[1, 1] * y**2 < 1.0
+    core, rim = (
+        window.difference[inside & window.usable],
+        window.difference[~inside & window.usable],
+    )
+    background = float(np.median(rim)) if len(rim) else 0.0
+    height = float(np.median(core)) - background if len(core) else 1.0
+    return DiscParameters(
+        np.zeros(2), 1.0, blur.start_px, blur.start_crosstalk, height, np.zeros(2), background
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class _Problem:
     """One disc's pixels and what is known of it."""
@@ -134,19 +157,6 @@ class _Problem:
     radius: float
     detector: Detector
     prior: _Prior
-
-    def start(self) -> DiscParameters:
-        x, y = self.window.x[:, 1:-1], self.window.y[1:-1]
-        own = self.shape_inverse
-        ellipse = own[0, 0] * x**2 + 2.0 * own[0, 1] * x * y + own[1, 1] * y**2
-        core = self.window.difference[(ellipse < 1.0) & self.window.usable]
-        rim = self.window.difference[(ellipse >= 1.0) & self.window.usable]
-        background = float(np.median(rim)) if len(rim) else 0.0
-        height = float(np.median(core)) - background if len(core) else 1.0
-        blur = self.prior.blur
-        return DiscParameters(
-            np.zeros(2), 1.0, blur.start_px, blur.start_crosstalk, height, np.zeros(2), background
-        )
 
     def look(self, parameters: DiscParameters) -> _Look:
         model, design = disc_model(
@@ -210,10 +220,12 @@ def fit_disc(
         return None
     shape_inverse: Floats = np.linalg.inv(shape_px2).astype(np.float64)
     radius = float(np.linalg.det(shape_px2) ** 0.25)
-    problem = _Problem(window, shape_inverse, radius, detector, _Prior(blur))
+    parameters = _start(window, shape_inverse, blur)
+    ramp_dn_px = RAMP_TOLERANCE * max(abs(parameters.height_dn), 1.0) / radius
+    problem = _Problem(window, shape_inverse, radius, detector, _Prior(blur, ramp_dn_px))
     furthest = float(half_extent.max()) + WINDOW_MARGIN_PX
 
-    parameters, accepted, shorten = problem.start(), None, 1.0
+    accepted, shorten = None, 1.0
     for _ in range(ITERATIONS):
         look = problem.look(parameters)
         if accepted is not None and accepted.worsened_by(look, problem.prior):
@@ -235,7 +247,7 @@ def _summary(last: _Accepted, usable: Mask, radius: float) -> DiscFit | None:
     left, weight = last.residual[usable], last.weight[usable]
     freedom = max(len(left) - PARAMETERS, 1)
     misfit_chi2 = float(np.sum(weight * left**2)) / freedom
-    height = last.parameters.height_dn
+    height, crosstalk = last.parameters.height_dn, last.parameters.crosstalk
     noise = last.covariance[:2, :2]
     if height <= 0.0 or not np.isfinite(misfit_chi2) or np.linalg.eigvalsh(noise)[0] <= 0.0:
         return None
@@ -246,9 +258,12 @@ def _summary(last: _Accepted, usable: Mask, radius: float) -> DiscFit | None:
         shape_misfit = float(np.sqrt(left_over)) / height
     cut = float(np.sqrt(max(shape_misfit**2 - MODEL_MISFIT**2, 0.0)))
     pull_px = cut * (PULL_PX + PULL_PX3 / radius**2)
+    softness_px = float(np.hypot(last.parameters.blur_px, np.sqrt(max(2.0 * crosstalk, 0.0))))
+    bend_px = BENT_EDGE_PX3 / radius**2 * max(1.0 - softness_px / SOFT_EDGE_PX, 0.0)
     return DiscFit(
         parameters=last.parameters,
-        covariance_px2=0.5 * max(1.0, misfit_chi2) * (noise + noise.T) + pull_px**2 * np.eye(2),
+        covariance_px2=0.5 * max(1.0, misfit_chi2) * (noise + noise.T)
+        + (pull_px**2 + bend_px**2) * np.eye(2),
         height_sigma_dn=float(np.sqrt(last.covariance[5, 5])),
         shape_misfit=shape_misfit,
         misfit_chi2=misfit_chi2,
