@@ -14,7 +14,7 @@ from models.sensor import Detector
 from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
-from pipelines.detection.pair_alignment import aligned_patch
+from pipelines.detection.pair_alignment import AlignedPatch, aligned_patch
 from pipelines.match import Match
 from pipelines.options import ChaserFixedOptions
 
@@ -53,13 +53,29 @@ def _believable(fit: DiscFit, radius_px: float, options: ChaserFixedOptions) -> 
     )
 
 
+def contrast_800(
+    patch: AlignedPatch, centre_px: Floats, shape_px2: Floats, height_dn: float
+) -> float:
+    """Return how much a marker's face differs from its surround at 800 nm, over its height.
+
+    That times the motion within the pair is how far the difference pulls the marker's centre.
+    """
+    v, u = np.indices(patch.image_800.shape)
+    away = np.stack([u, v], axis=-1) + patch.corner_px - centre_px
+    ellipse = np.einsum("...i,ij,...j->...", away, np.linalg.inv(shape_px2), away)
+    face, surround = patch.image_800[ellipse < 1.0], patch.image_800[ellipse >= 1.5]
+    if not (len(face) and len(surround)):
+        return 0.0
+    return float(abs(np.mean(face) - np.median(surround)) / height_dn)
+
+
 def fit_markers(
     frame: Frame,
     camera: Camera,
     detector: Detector,
     markers: MarkerPattern,
     pose: RigidTransform,
-    pose_800: RigidTransform,
+    pose_800: RigidTransform | None,
     blur: ExpectedBlur,
     options: ChaserFixedOptions,
 ) -> FittedMarkers:
@@ -71,13 +87,16 @@ def fit_markers(
     pose : RigidTransform
         ``cam_from_target``, good to about a marker's radius.
     pose_800 : RigidTransform
-        The same when the 800 nm image was taken, as far as it is known.
+        The same when the 800 nm image was taken; None where the velocity is unknown, and then
+        what the motion may have left in the difference widens each covariance.
     blur : ExpectedBlur
     options : ChaserFixedOptions
     """
     outlines = disc_outlines(camera, pose, markers)
-    motions = camera.project(pose @ markers.points_in_target)
-    motions = np.nan_to_num(motions - camera.project(pose_800 @ markers.points_in_target))
+    motions = np.zeros((len(markers), 2))
+    if pose_800 is not None:
+        motions = camera.project(pose @ markers.points_in_target)
+        motions = np.nan_to_num(motions - camera.project(pose_800 @ markers.points_in_target))
     level = saturation_level_dn(detector)
     points: list[Floats] = []
     covariances: list[Floats] = []
@@ -108,7 +127,12 @@ def fit_markers(
         if fit is None or not _believable(fit, radius, options):
             continue
         points.append(outlines.centres_px[index] + fit.parameters.centre_px)
-        covariances.append(fit.covariance_px2 + options.centroid_floor_px**2 * np.eye(2))
+        variance_px2 = options.centroid_floor_px**2
+        if pose_800 is None:
+            pull = contrast_800(patch, centre, outlines.shapes_px2[index], fit.parameters.height_dn)
+            unknown_px = camera.fx * options.velocity_m_s * options.pair_gap_s / pose.translation[2]
+            variance_px2 += float(pull * unknown_px) ** 2
+        covariances.append(fit.covariance_px2 + variance_px2 * np.eye(2))
         chosen.append(int(index))
         blurs.append((fit.parameters.blur_px, fit.parameters.crosstalk))
     middle = np.median(blurs, axis=0) if blurs else [blur.start_px, blur.start_crosstalk]

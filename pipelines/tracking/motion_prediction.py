@@ -92,13 +92,15 @@ class MotionPrediction:
             return PredictedPose(last.pose, still, self._lost_frames)
         return self._carried_on(ahead_s)
 
-    def shortly_before(self, time_s: float, pose: RigidTransform, ago_s: float) -> RigidTransform:
+    def shortly_before(
+        self, time_s: float, pose: RigidTransform, ago_s: float
+    ) -> RigidTransform | None:
         """Return the pose ``ago_s`` before ``pose``, at the mean velocity since the last one.
 
-        Before there is a last pose, or where time stood still, that is ``pose`` itself.
+        None before there is a last pose, or where time stood still: the velocity is unknown.
         """
         if not self._known or time_s <= self._known[-1].time_s:
-            return pose
+            return None
         last = self._known[-1]
         share = min(ago_s / (time_s - last.time_s), 1.0)
         turn = Rotation.from_matrix(last.pose.rotation @ pose.rotation.T).as_rotvec()
