@@ -140,9 +140,10 @@ def random_lanes(seed: int, pixels: Any, shares: Any) -> Any:
     """Return random numbers for each lane, keyed by seed, pixel and share.
 
     Both halves of a generator's seed are hashed (Tiny Encryption Algorithm, as Mitsuba's samplers
-    do): PCG streams that differ only in their number are correlated, enough to shift a dot.
+    do): PCG streams that differ only in their number are correlated, enough to shift a dot. The
+    seed is opaque: as a literal it would compile a kernel for each frame.
     """
-    first, second = mi.sample_tea_32(pixels, mi.UInt32(seed))
+    first, second = mi.sample_tea_32(pixels, dr.opaque(mi.UInt32, seed))
     state, stream = mi.sample_tea_32(first ^ shares, second)
     rng = mi.PCG32()
     rng.seed(initstate=mi.UInt64(state), initseq=mi.UInt64(stream))
