@@ -75,7 +75,7 @@ def fit_markers(
     detector: Detector,
     markers: MarkerPattern,
     pose: RigidTransform,
-    pose_800: RigidTransform | None,
+    cam_from_target_800: RigidTransform | None,
     blur: ExpectedBlur,
     options: ChaserFixedOptions,
 ) -> FittedMarkers:
@@ -86,7 +86,7 @@ def fit_markers(
     frame, camera, detector, markers
     pose : RigidTransform
         ``cam_from_target``, good to about a marker's radius.
-    pose_800 : RigidTransform
+    cam_from_target_800 : RigidTransform
         The same when the 800 nm image was taken; None where the velocity is unknown, and then
         what the motion may have left in the difference widens each covariance.
     blur : ExpectedBlur
@@ -94,9 +94,11 @@ def fit_markers(
     """
     outlines = disc_outlines(camera, pose, markers)
     motions = np.zeros((len(markers), 2))
-    if pose_800 is not None:
+    if cam_from_target_800 is not None:
         motions = camera.project(pose @ markers.points_in_target)
-        motions = np.nan_to_num(motions - camera.project(pose_800 @ markers.points_in_target))
+        motions = np.nan_to_num(
+            motions - camera.project(cam_from_target_800 @ markers.points_in_target)
+        )
     level = saturation_level_dn(detector)
     points: list[Floats] = []
     covariances: list[Floats] = []
@@ -128,7 +130,7 @@ def fit_markers(
             continue
         points.append(outlines.centres_px[index] + fit.parameters.centre_px)
         variance_px2 = options.centroid_floor_px**2
-        if pose_800 is None:
+        if cam_from_target_800 is None:
             pull = contrast_800(patch, centre, outlines.shapes_px2[index], fit.parameters.height_dn)
             unknown_px = camera.fx * options.velocity_m_s * options.pair_gap_s / pose.translation[2]
             variance_px2 += float(pull * unknown_px) ** 2

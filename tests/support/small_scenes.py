@@ -21,7 +21,7 @@ from renders.variant import activate, choose_variant
 
 LAMBERT = "lambertian_grey"  # a material for closed forms, known to tests alone
 MATERIALS[LAMBERT] = Material(
-    LAMBERT, BandReflectance(0.5, 0.48, 0.52), BLACK, 1.0, "no surface: the closed form itself"
+    LAMBERT, BandReflectance(0.5, 0.48, 0.52), BLACK, 1.0, "none: a closed form (Nicodemus 1977)"
 )
 
 FACING = np.diag([1.0, -1.0, -1.0])  # camera over the target, looking down -z
