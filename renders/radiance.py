@@ -26,6 +26,7 @@ from renders.scene import SceneGeometry
 
 WINDOW_MARGIN_PX = 3.0  # beyond the disc: the point-spread function at five sigma
 EDGE_PX = 1.5  # a pixel this near to a disc's outline may be cut by it
+FAR_M = 1e9  # where a ray that sees a disc's back meets its plane: nowhere near
 NEAR_SAMPLES = 256  # inside a window but off the outline, where light varies smoothly
 
 
@@ -90,7 +91,7 @@ def marker_pixels(
         if centre[2] <= markers.radius_m:
             continue
         facing = rays @ normal
-        reach = np.where(facing < -1e-3, (centre @ normal) / np.minimum(facing, -1e-3), np.inf)
+        reach = np.where(facing < -1e-3, (centre @ normal) / np.minimum(facing, -1e-3), FAR_M)
         off_centre = np.linalg.norm(rays * reach[:, None] - centre, axis=1)
         pixel_m = centre[2] / camera.fx / max(-normal @ centre / np.linalg.norm(centre), 0.1)
         cut |= np.abs(off_centre - markers.radius_m) < EDGE_PX * pixel_m
@@ -132,6 +133,8 @@ def render_radiance(
     if markers is not None and windows:
         near, edge = marker_pixels(markers, camera, cam_from_target, windows)
         for pixels, samples in ((near, NEAR_SAMPLES), (edge, sampling.marker_samples)):
+            if len(pixels) == 0:  # no disc shows its face
+                continue
             samples = min(samples, sampling.marker_samples)
             fine = _traced(scene, camera, cam_from_target, groups, pixels, samples, sampling)
             for name, image in images.items():
