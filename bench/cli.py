@@ -61,6 +61,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return INTERRUPTED
+    except OSError as error:
+        print(
+            f"rvbench: expected the system to let us read and write, got: {error}; every file "
+            "written so far is whole and kept",
+            file=sys.stderr,
+        )
+        return COULD_NOT_RUN
     except Exception:
         traceback.print_exc()
         print(

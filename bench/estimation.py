@@ -11,8 +11,10 @@ from pathlib import Path
 from time import perf_counter
 
 from bench.progress import frame_progress
-from bench.runs import estimates_path, runtimes_path
+from bench.runs import estimates_path, run_folder, runtimes_path
+from models.atomic_file import sweep_scratch
 from models.dataset import read_frame_entries, read_frames, read_info, read_knowledge
+from models.errors import DatasetError
 from models.estimate import Estimate
 from models.estimates_file import write_estimates, write_runtimes
 from models.frame import FlightKnowledge, Frame
@@ -35,6 +37,8 @@ def estimate_dataset(folder: Path) -> list[Path]:
     read_info(folder)
     knowledge = read_knowledge(folder)
     count = len(read_frame_entries(folder))
+    if count == 0:
+        raise DatasetError(f"{folder}/frames.csv: expected at least one frame, found none")
     return estimate_run(folder, 0, read_frames(folder), knowledge, count)
 
 
@@ -70,6 +74,7 @@ def estimate_run(
                 said[variant].append(pipeline.process(frame))
                 runtime_ms[variant][frame.index] = 1e3 * (perf_counter() - began)
             advance()
+    sweep_scratch(run_folder(folder, number) / "estimates")
     for variant in VARIANTS:
         write_runtimes(runtimes_path(folder, number, variant), runtime_ms[variant])
         write_estimates(estimates_path(folder, number, variant), said[variant])

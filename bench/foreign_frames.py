@@ -31,6 +31,7 @@ from models.sensor import Detector
 
 UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it
 BITS = (8, 10, 12, 14, 16)
+PNG_BIT_DEPTH = 24  # where a PNG's header tells the bits of a channel
 
 
 @dataclass(frozen=True)
@@ -98,14 +99,14 @@ def find_pairs(folder: Path, rate_hz: float) -> list[ForeignPair]:
     found = {band: _by_name(folder, band) for band in (800, 850)}
     if not found[850] and not found[800]:
         raise DatasetError(
-            f"expected image pairs NAME_800.png and NAME_850.png in {folder}, found none"
+            f"expected image pairs NAME_800.png and NAME_850.png in {folder}, {_found(folder)}"
         )
     for band, other in ((800, 850), (850, 800)):
         alone = sorted(set(found[other]) - set(found[band]))
         if alone:
             raise DatasetError(
                 f"{folder}: expected {alone[0]}_{band}.png beside {alone[0]}_{other}.png, found "
-                f"none; {len(alone)} pairs lack their {band} nm image"
+                f"none (images alone at {other} nm: {len(alone)}); add it, or take the other away"
             )
     names = sorted(found[850], key=_natural)
     entries = [FrameEntry(k, k / rate_hz, UNKNOWN_EXPOSURE_MS) for k in range(len(names))]
@@ -136,7 +137,7 @@ def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
             if image.shape != (camera.height, camera.width):
                 raise DatasetError(
                     f"{path}: expected {camera.width} x {camera.height} pixels, as the camera has, "
-                    f"got {image.shape[1]} x {image.shape[0]}"
+                    f"got {image.shape[1]} x {image.shape[0]}; give the camera that took them"
                 )
         entry = pair.entry
         yield Frame(entry.index, entry.time_s, images[0], images[1], entry.exposure_ms)
@@ -157,7 +158,9 @@ def read_grey(path: Path) -> Image:
     whole = data.rstrip(b"\0").endswith(b"IEND\xaeB`\x82")
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if whole else None
     if image is None:
-        raise DatasetError(f"expected a whole PNG at {path}, got {len(data)} bytes that are not")
+        raise DatasetError(
+            f"expected a whole PNG at {path}, got {len(data)} bytes that are not; copy it again"
+        )
     if image.ndim == 3 and (image[..., :3] == image[..., :1]).all():
         image = image[..., 0]
     if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16):
@@ -227,7 +230,7 @@ def foreign_knowledge(
     pose, sigma_m, sigma_deg = read_prior(path)
     return FlightKnowledge(
         camera=camera,
-        detector=read_detector(detector) if detector else guessed_detector(_brightest(pairs)),
+        detector=_detector(pairs[0].path_850, detector),
         markers=marker_pattern(target),
         prior=pose,
         prior_sigma_m=sigma_m,
@@ -235,8 +238,28 @@ def foreign_knowledge(
     )
 
 
-def _brightest(pairs: list[ForeignPair]) -> Image:
-    return read_grey(pairs[0].path_850)
+def _detector(image: Path, given: Path | None) -> Detector:
+    """Read the detector given, and hold it against an image; guess it where none is given."""
+    pixels = read_grey(image)
+    if given is None:
+        return guessed_detector(pixels)
+    detector = read_detector(given)
+    bits = 8 if image.read_bytes()[PNG_BIT_DEPTH] <= 8 else 16
+    if bits < detector.bits or int(pixels.max()) > detector.max_dn:
+        raise DatasetError(
+            f"{given}: expected the detector of these images, got one of {detector.bits} bits; "
+            f"{image} has {bits} bits and values up to {int(pixels.max())}; "
+            "leave --detector out to have it guessed"
+        )
+    return detector
+
+
+def _found(folder: Path) -> str:
+    if not folder.is_dir():
+        return "found a file there" if folder.exists() else "found no such folder"
+    if (folder / "dataset.json").is_file():
+        return f"found a dataset: `rvbench estimate {folder}` reads it"
+    return "found none"
 
 
 def _by_name(folder: Path, band: int) -> dict[str, Path]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bench.runs import estimates_path
 from models.arrays import Floats
-from models.dataset import read_frame, read_frame_entries, read_knowledge
+from models.dataset import read_frame, read_frame_entries, read_info, read_knowledge
 from models.errors import DatasetError
 from models.estimate import Estimate, NoPose, PoseEstimate
 from models.estimates_file import read_estimates
@@ -78,14 +78,21 @@ class FrameRecords:
     Raises
     ------
     DatasetError
-        If the public half cannot be read.
+        If the public half cannot be read, or other variants have spoken but not this one.
     """
 
     def __init__(self, folder: Path, variant: str = PREFERRED) -> None:
         self.folder = folder
+        read_info(folder)
         self.entries = {entry.index: entry for entry in read_frame_entries(folder)}
         self.knowledge = read_knowledge(folder)
         path = estimates_path(folder, 0, variant)
+        spoken = sorted(other.stem for other in path.parent.glob("*.jsonl"))
+        if spoken and variant not in spoken:
+            raise DatasetError(
+                f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, "
+                f"got {variant!r}"
+            )
         self.variant = variant if path.is_file() else None
         estimates = read_estimates(path) if path.is_file() else []
         self._estimates = {estimate.frame: estimate for estimate in estimates}

@@ -142,7 +142,8 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
     Raises
     ------
     DatasetError
-        If an estimate is stamped to another instant than its frame.
+        If an estimate is stamped to another instant than its frame, or names no marker of the
+        target.
     """
     judged = []
     for frame in dataset.frames:
@@ -152,6 +153,12 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
                 f"run {run.number}, frame {estimate.frame}: expected an estimate at "
                 f"{frame.truth.time_s} s, the middle of the 850 nm exposure, got one at "
                 f"{estimate.time_s} s; the frames have changed since: run the estimate again"
+            )
+        if max(estimate.detections.marker, default=-1) >= len(dataset.pattern):
+            raise DatasetError(
+                f"run {run.number}, frame {estimate.frame}: expected markers below "
+                f"{len(dataset.pattern)}, as many as markers.toml has, got "
+                f"{max(estimate.detections.marker)}; run the estimate again"
             )
         error = (
             pose_error(estimate.cam_from_target, frame.truth.cam_from_target)

@@ -13,6 +13,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from bench.judged_frames import read_true_dataset
 from bench.runs import found_runs, found_variants, read_run
 from bench.score_card import SCORE_FORMAT, SCORE_VERSION, Score
@@ -82,7 +84,22 @@ def read_score(folder: Path) -> dict[str, Any]:
             f"{path}: expected {SCORE_FORMAT} version {SCORE_VERSION}, got another; "
             f"run `rvbench score {folder}` again"
         )
+    if broken := _what_is_broken(table):
+        raise DatasetError(
+            f"{path}: expected a whole score, but {broken}; run `rvbench score {folder}` again"
+        )
     return dict(table)
+
+
+def _what_is_broken(table: dict[str, Any]) -> str:
+    """Say what keeps a table from being a ``Score``; nothing if it is one."""
+    try:
+        score = TypeAdapter(Score).validate_python(table)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        return f"at {place}: {first['msg'].lower()}"
+    return "" if score.pipelines else "no pipeline is in it"
 
 
 def _rounded(value: Any) -> Any:

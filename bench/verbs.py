@@ -5,7 +5,7 @@ A verb's ``run`` does the work, prints what it wrote to stdout, and returns the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -138,10 +138,25 @@ class Estimate:
                 "`rvbench estimate --frames DIR --camera FILE`; "
                 f"got {'neither' if self.folder is None else 'both'}"
             )
+        if self.folder is not None:
+            self._refuse_options_of_pairs()
         paths = self._pairs() if self.folder is None else api.estimate(self.folder)
         for path in paths:
             print(f"estimates: {path}")
         return DONE
+
+    def _refuse_options_of_pairs(self) -> None:
+        typed = [
+            f"--{field.name.replace('_', '-')}"
+            for field in fields(self)
+            if field.name != "folder" and getattr(self, field.name) != field.default
+        ]
+        if typed:
+            raise ScenarioError(
+                f"expected {' and '.join(typed)} only with --frames, got it with the dataset "
+                f"{self.folder}, which holds its own; "
+                f"for other knowledge: `rvbench estimate --frames {self.folder}/frames ...`"
+            )
 
     def _pairs(self) -> list[Path]:
         from bench.foreign_frames import estimate_pairs

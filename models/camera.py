@@ -226,7 +226,10 @@ class Camera:
         for key in ("width", "height"):
             if not isinstance(table[key], int):
                 raise ScenarioError(f"{path}: expected an integer {key}, got {table[key]!r}")
-        return cls(**table)
+        try:
+            return cls(**table)
+        except ScenarioError as error:
+            raise ScenarioError(f"{path}: {str(error).removeprefix('camera: ')}") from error
 
 
 CAMERAS: dict[str, Camera] = {

@@ -37,6 +37,7 @@ from models.sensor import Detector
 
 FORMAT = "rvbench-pairs"
 VERSION = 1
+DIVISORS = ("pixel_pitch_um", "quantum_efficiency", "full_well_e", "gain_e_dn")
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,8 @@ def read_image(path: Path) -> Image:
     if image.ndim != 2 or image.dtype != np.uint16:
         raise DatasetError(
             f"expected a 16-bit single-channel image at {path}, "
-            f"got shape {image.shape} of {image.dtype}"
+            f"got shape {image.shape} of {image.dtype}; "
+            "image pairs of other kinds are read by `rvbench estimate --frames`"
         )
     return np.asarray(image)
 
@@ -170,7 +172,11 @@ def read_detector(path: Path) -> Detector:
     for key, value in table.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < np.inf:
             raise DatasetError(f"{path}: expected a number from zero up for {key}, got {value!r}")
-    return Detector(**table)
+        if key in DIVISORS and value == 0:
+            raise DatasetError(f"{path}: expected {key} above zero, got {value!r}")
+    if table["bits"] not in range(1, 17):
+        raise DatasetError(f"{path}: expected bits as 1 to 16, got {table['bits']!r}")
+    return Detector(**{**table, "bits": int(table["bits"])})
 
 
 def markers_to_toml(markers: MarkerPattern) -> str:

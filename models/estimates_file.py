@@ -79,7 +79,9 @@ def _read_lines(path: Path) -> list[str]:
     try:
         return path.read_text().splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise DatasetError(f"expected text at {path}, got: {cause(error)}") from error
+        raise DatasetError(
+            f"expected text at {path}, got: {cause(error)}; estimate again"
+        ) from error
 
 
 def write_estimates(path: Path, estimates: Iterable[Estimate]) -> None:
@@ -130,4 +132,6 @@ def read_runtimes(path: Path) -> dict[int, float]:
     try:
         return {int(frame): float(spent) for frame, spent in rows}
     except ValueError as error:
-        raise DatasetError(f"{path}: expected rows of frame,runtime_ms, got: {error}") from error
+        raise DatasetError(
+            f"{path}: expected rows of frame,runtime_ms, got: {error}; delete it"
+        ) from error

@@ -7,7 +7,7 @@ is done.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
@@ -23,11 +23,11 @@ from rich.progress import (
 
 from models.arrays import Radiance
 from models.atomic_file import write_text
-from models.dataset import DatasetInfo, FrameEntry
+from models.dataset import DatasetInfo
 from models.errors import DatasetError, StorageError
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from renders.dataset_writer import DatasetWriter, write_geometry_entry
+from renders.dataset_writer import DatasetWriter, check_folder, write_geometry_entry
 from renders.light_groups import LightGroup
 from renders.light_keys import LightKeys
 from renders.replay import compose, exposed_frames, light_record, lit_otherwise, read_groups
@@ -50,7 +50,7 @@ class Studio:
     markers: MarkerPattern
     scene: Any = None
     geometry: Any = None
-    placed: RigidTransform | None = None
+    placed_cam_from_target: RigidTransform | None = None
 
     def build(self, cam_from_target: RigidTransform) -> None:
         """Load the scene once, and put the chaser in its place unless it stands there."""
@@ -59,9 +59,9 @@ class Studio:
         if self.scene is None:
             self.geometry = build_geometry(self.world.target, self.world.chaser, self.world.optics)
             self.scene = self.geometry.scene()
-        if self.placed is not cam_from_target:
+        if self.placed_cam_from_target is not cam_from_target:
             place_chaser(self.scene, self.geometry, cam_from_target)
-            self.placed = cam_from_target
+            self.placed_cam_from_target = cam_from_target
 
     def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
         """Return the store keys of everything that can light an exposure, by group name."""
@@ -169,37 +169,31 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         Each says what to do; nothing already rendered is lost.
     """
     world = World(resolve(request))
-    world.check_poses()
-    knowledge = world.knowledge(run=0)
-    entries = world.frame_entries(knowledge.prior)
-    variant = choose_variant(request.variant)
-    store = RadianceStore(request.store or default_store())
-    store.sweep()
-    keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
-    studio = Studio(world, store, keys, knowledge.markers)
     info = DatasetInfo(
         case=world.scenario.name,
         sun=world.scenario.sun.default,
-        frames=len(entries),
+        frames=len(world.scenario.times_s),
         target=world.target.name,
-        provenance=provenance(world, variant),
+        provenance={"scenario": world.scenario.fingerprint()},
     )
+    check_folder(request.out, info)
+    knowledge = world.knowledge(run=0)
+    world.check_poses()
+    entries = world.frame_entries(knowledge.prior)
+    variant = choose_variant(request.variant)
+    info = replace(info, provenance=provenance(world, variant))
+    store = RadianceStore(request.store or default_store())
+    keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
+    studio = Studio(world, store, keys, knowledge.markers)
     from renders.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
     writer = DatasetWriter(request.out, info, knowledge, entries, labels, world.scenario.to_toml())
-    poses = {
-        (exposure.frame, exposure.band): world.approach.cam_from_target(exposure.time_s)
-        for exposure in world.exposures
-    }
-    light = {
-        (exposure.frame, exposure.band): studio.group_keys(
-            exposure, poses[exposure.frame, exposure.band]
-        )
-        for exposure in world.exposures
-    }
-    there = [e for e in world.exposures if writer.has_exposure(e.frame, e.band)]
-    left = [e for e in world.exposures if e not in set(there)]
+    poses = {e: world.approach.cam_from_target(e.time_s) for e in world.exposures}
+    is_there = {e: writer.has_exposure(e.frame, e.band) for e in world.exposures}
+    there = [e for e in world.exposures if is_there[e]]
+    left = [e for e in world.exposures if not is_there[e]]
+    light = {(e.frame, e.band): studio.group_keys(e, poses[e]) for e in world.exposures}
     foreign = lit_otherwise(request.out, light, [(e.frame, e.band) for e in there])
     if foreign and (left or request.seeds > 1):
         raise DatasetError(
@@ -208,7 +202,10 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
             "version. They are kept: go on with what rendered them, or choose another --out"
         )
     if not foreign:
+        writer.begin()
         write_text(request.out / "truth" / "light.json", light_record(store, light))
+    if left or request.seeds > 1:
+        store.open_for_writing()
     _activate(variant, request.threads)
     console = console or Console(stderr=True)
     console.print(
@@ -218,26 +215,19 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         soft_wrap=True,
     )
     with _progress(console) as progress:
-        task = progress.add_task("render", total=len(left))
-        for exposure in left:
-            _render_exposure(studio, writer, entries, exposure, poses)
-            progress.advance(task)
+        for exposure in progress.track(left, description="render"):
+            _render_exposure(studio, writer, exposure, poses[exposure])
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
             for exposure in progress.track(there, description="light"):
-                studio.light(exposure, poses[exposure.frame, exposure.band])
+                studio.light(exposure, poses[exposure])
     writer.finish()
 
 
 def _render_exposure(
-    studio: Studio,
-    writer: DatasetWriter,
-    entries: list[FrameEntry],
-    exposure: Exposure,
-    poses: dict[tuple[int, int], RigidTransform],
+    studio: Studio, writer: DatasetWriter, exposure: Exposure, cam_from_target: RigidTransform
 ) -> None:
-    cam_from_target = poses[exposure.frame, exposure.band]
     groups = studio.light(exposure, cam_from_target)
-    exposure_ms = entries[exposure.frame].exposure_ms
+    exposure_ms = writer.entries[exposure.frame].exposure_ms
     image = compose(studio.world, groups, exposure, exposure_ms, run=0)
     geometry = studio.pixel_truth(exposure, cam_from_target)
     writer.write_pixel_truth(exposure.frame, exposure.band, geometry)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -26,9 +28,11 @@ from models.dataset import (
 )
 from models.errors import DatasetError, StorageError
 from models.frame import FlightKnowledge
-from renders.labels import PixelTruth
 from renders.store import read_exr, write_exr
 from renders.truth import ExposureTruth
+
+if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
+    from renders.labels import PixelTruth
 
 PNG_END = b"IEND\xaeB`\x82"
 RECORD_END = b"}\n"
@@ -48,10 +52,32 @@ def _ends_with(path: Path, end: bytes) -> bool:
         return False
 
 
-class DatasetWriter:
-    """One dataset folder being filled.
+def check_folder(folder: Path, info: DatasetInfo) -> None:
+    """Refuse a folder that cannot take a dataset: a file, or a folder with another dataset.
 
-    Parameters
+    Raises
+    ------
+    DatasetError
+        Nothing was changed.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise DatasetError(f"expected a folder at {folder}, found a file; choose another --out")
+    if not (folder / "dataset.json").exists():
+        return
+    there = read_info(folder)
+    if there.provenance.get("scenario") != info.provenance.get("scenario"):
+        raise DatasetError(
+            f"expected {folder} to be empty or to hold this very scenario ({_told(info)}); "
+            f"it holds another ({_told(there)}{_in_what(there, info)}); "
+            "nothing was changed: choose another --out, or delete it"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class DatasetWriter:
+    """One dataset folder being filled; ``begin`` it first.
+
+    Attributes
     ----------
     folder : Path
     info : DatasetInfo
@@ -61,45 +87,39 @@ class DatasetWriter:
         Names of the part labels.
     scenario_toml : str
         The resolved scenario; it goes behind the wall, since it holds the motion.
-
-    Raises
-    ------
-    DatasetError
-        If the folder holds a dataset of another scenario, Sun or version.
-    StorageError
-        If it cannot be written.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        info: DatasetInfo,
-        knowledge: FlightKnowledge,
-        entries: list[FrameEntry],
-        labels: tuple[str, ...],
-        scenario_toml: str,
-    ) -> None:
-        self.folder = folder
-        self.entries = entries
-        if (folder / "dataset.json").exists():
-            there = read_info(folder)
-            if there.provenance.get("scenario") != info.provenance.get("scenario"):
-                raise DatasetError(
-                    f"expected {folder} to be empty or to hold this very scenario "
-                    f"({_told(info)}); it holds another ({_told(there)}{_in_what(there, info)}); "
-                    "nothing was changed: choose another --out, or delete it"
-                )
-        elif folder.exists() and not folder.is_dir():
-            raise DatasetError(f"expected a folder at {folder}, found a file")
-        sweep_scratch(folder)
-        write_text(folder / "dataset.json", info_to_json(info))
-        write_text(folder / "camera.toml", knowledge.camera.to_toml())
-        write_text(folder / "detector.toml", detector_to_toml(knowledge.detector))
-        write_text(folder / "markers.toml", markers_to_toml(knowledge.markers))
-        write_text(folder / "prior.toml", prior_to_toml(knowledge))
-        write_text(folder / "frames.csv", frames_to_csv(entries))
-        write_text(folder / "truth" / "parts.json", json.dumps(labels) + "\n")
-        write_text(folder / "truth" / "scenario.toml", scenario_toml)
+    folder: Path
+    info: DatasetInfo
+    knowledge: FlightKnowledge
+    entries: list[FrameEntry]
+    labels: tuple[str, ...]
+    scenario_toml: str
+
+    def begin(self) -> None:
+        """Write everything but the exposures, and sweep away what killed runs left half written.
+
+        Raises
+        ------
+        DatasetError
+            If the folder holds a dataset of another scenario, Sun or version.
+        StorageError
+            If it cannot be written.
+        """
+        check_folder(self.folder, self.info)
+        sweep_scratch(self.folder)
+        texts = {
+            "dataset.json": info_to_json(self.info),
+            "camera.toml": self.knowledge.camera.to_toml(),
+            "detector.toml": detector_to_toml(self.knowledge.detector),
+            "markers.toml": markers_to_toml(self.knowledge.markers),
+            "prior.toml": prior_to_toml(self.knowledge),
+            "frames.csv": frames_to_csv(self.entries),
+            "truth/parts.json": json.dumps(self.labels) + "\n",
+            "truth/scenario.toml": self.scenario_toml,
+        }
+        for name, text in texts.items():
+            write_text(self.folder / name, text)
 
     def truth_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's truth lies until the dataset is complete."""

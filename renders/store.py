@@ -10,7 +10,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +20,11 @@ import numpy as np
 import OpenEXR
 
 from models.arrays import AnyArray, Radiance
-from models.atomic_file import sweep_scratch, whole_or_absent
+from models.atomic_file import sweep_scratch, whole_or_absent, write_text
 
 STORE_VERSION = 1
+CACHE_SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55"
+STDERR = 2  # the file descriptor
 HALF_MAX = 65504.0  # a glint brighter than this saturates any detector a thousandfold
 
 
@@ -64,12 +68,26 @@ def read_exr(path: Path) -> dict[str, AnyArray] | None:
     if not path.is_file():
         return None
     try:
-        with OpenEXR.File(str(path), separate_channels=True) as file:
+        with _openexr_silenced(), OpenEXR.File(str(path), separate_channels=True) as file:
             recorded = file.header().get("rvbench_sha256")
             channels = {name: np.array(c.pixels) for name, c in file.channels().items()}
     except (OSError, RuntimeError, ValueError):
         return None
     return channels if recorded == _pixels_hash(channels) else None
+
+
+@contextmanager
+def _openexr_silenced() -> Iterator[None]:
+    """Turn stderr off: OpenEXR writes pages there about a damaged file, past Python's back."""
+    sys.stderr.flush()
+    before, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, STDERR)
+        yield
+    finally:
+        os.dup2(before, STDERR)
+        os.close(before)
+        os.close(nowhere)
 
 
 def _pixels_hash(channels: Mapping[str, AnyArray]) -> str:
@@ -92,8 +110,17 @@ class RadianceStore:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def sweep(self) -> None:
-        """Delete what killed processes left half written."""
+    def open_for_writing(self) -> None:
+        """Make the folder, and delete what killed processes left half written in it.
+
+        Raises
+        ------
+        StorageError
+            If it cannot be written: better now than after the first light is traced.
+        """
+        tag = self.folder / "CACHEDIR.TAG"  # tells backups to pass by; see bford.info/cachedir
+        if not tag.is_file() or not os.access(self.folder, os.W_OK):
+            write_text(tag, f"{CACHE_SIGNATURE}\n# What is in here can be rendered again.\n")
         sweep_scratch(self.folder)
 
     def path(self, key: str) -> Path:

@@ -25,6 +25,8 @@ from models.arrays import Floats
 from models.errors import DatasetError, cause
 from models.pose import RigidTransform
 
+MEND = "render again: only what is missing is rendered, and this file is written anew"
+
 
 @dataclass(frozen=True)
 class ExposureTruth:
@@ -121,13 +123,17 @@ def read_exposures(folder: Path) -> dict[tuple[int, int], ExposureTruth]:
             f"expected the truth half of a dataset at {path}, found none; "
             "only datasets rendered here can be scored"
         )
+    try:
+        lines = path.read_text().splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise DatasetError(f"expected text at {path}, got: {cause(error)}; {MEND}") from error
     exposures = {}
-    for number, line in enumerate(path.read_text().splitlines(), start=1):
+    for number, line in enumerate(lines, start=1):
         try:
             truth = ExposureTruth.from_json(json.loads(line))
         except (KeyError, TypeError, ValueError) as error:
             raise DatasetError(
-                f"{path}:{number}: expected one exposure, got: {cause(error)}"
+                f"{path}:{number}: expected one exposure, got: {cause(error)}; {MEND}"
             ) from error
         exposures[truth.frame, truth.band] = truth
     return exposures

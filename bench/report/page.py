@@ -21,6 +21,7 @@ from bench.score import read_score
 from bench.stretch import STRETCH
 from models.atomic_file import write_text
 from models.dataset import read_info
+from models.errors import DatasetError, cause
 
 TEMPLATE = "page.html.jinja"
 
@@ -66,6 +67,12 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
     chosen = PREFERRED if PREFERRED in score["pipelines"] else next(iter(score["pipelines"]))
     records = FrameRecords(folder, chosen)
     headline = score["pipelines"][chosen]
+    if [row["frame"] for row in headline["per_frame"]] != list(records.entries):
+        raise DatasetError(
+            f"{folder}/score.json: expected a score of the {len(records.entries)} frames that "
+            f"{folder}/frames.csv lists, got one of {len(headline['per_frame'])} others; "
+            f"run `rvbench estimate {folder}`, then `rvbench score {folder}`"
+        )
     published = published_case(info.target, info.sun)
     std_px = None if published is None else published.centroid_std_px
     variants = tables.variants_of(score)
@@ -132,7 +139,13 @@ def _scenario(folder: Path) -> dict[str, dict[str, Any]]:
     path = folder / "truth" / "scenario.toml"
     if not path.is_file():
         return {}
-    table = tomllib.loads(path.read_text())
+    try:
+        table = tomllib.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        raise DatasetError(
+            f"{path}: expected a scenario as TOML, got: {cause(error)}; "
+            "render again: only what is missing is rendered, and this file is written anew"
+        ) from error
     single = {key: value for key, value in table.items() if not isinstance(value, dict)}
     nested = {key: value for key, value in table.items() if isinstance(value, dict)}
     return {"scenario": single, **nested}

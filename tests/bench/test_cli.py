@@ -186,9 +186,54 @@ def shrink(path: Path) -> None:
     cv2.imwrite(str(path), np.zeros((64, 64), np.uint16))
 
 
+def scenario(text: str) -> Callable[[Path], object]:
+    """Return what writes a scenario file of one's own, ``DIR/my.toml``."""
+    return lambda folder: (folder / "my.toml").write_text('name = "mine"\n' + text)
+
+
+def without(path: Path, *keys: str) -> None:
+    """Take a value out of a JSON file."""
+    whole = json.loads(path.read_text())
+    table = whole
+    for key in keys[:-1]:
+        table = table[key]
+    del table[keys[-1]]
+    path.write_text(json.dumps(whole))
+
+
+def make_8_bit(path: Path) -> None:
+    cv2.imwrite(str(path), (cv2.imread(str(path), cv2.IMREAD_UNCHANGED) >> 4).astype(np.uint8))
+
+
+MINE = "render DIR/my.toml --out OUT"
+PAIRS = "estimate --frames DIR/frames --camera DIR/camera.toml"
+
 BAD_INPUT: dict[str, tuple[Callable[[Path], object], str]] = {
     "no such case": (nothing, "run maxar-dema --out OUT"),
     "no such scenario file": (nothing, "run absent.toml --out OUT"),
+    "an unknown key": (scenario("[camera]\nwidht = 128"), MINE),
+    "an unknown table": (scenario("[camra]\nwidth = 128"), MINE),
+    "a unit in a number": (scenario('[motion]\nend_s = "2 min"'), MINE),
+    "half a pixel": (scenario("[camera]\nwidth = 128.5"), MINE),
+    "a list too short": (scenario("[prior]\nsigma_t_m = [1, 2]"), MINE),
+    "a negative sigma": (scenario("[prior]\nsigma_euler_deg = [1, -1, 1]"), MINE),
+    "a number for a table": (scenario("camera = 128"), MINE),
+    "a Sun as a list": (scenario("[sun]\ndefault = [0, 0, 1]"), MINE),
+    "two faults at once": (scenario("[render]\nsamples = 0\nmax_depth = 99"), MINE),
+    "no name": (lambda d: (d / "my.toml").write_text(""), MINE),
+    "no TOML": (scenario("[camera"), MINE),
+    "a pair wider apart than pairs": (scenario("[motion]\npair_gap_ms = 300"), MINE),
+    "no such target": (scenario('target = "maxar1400"'), MINE),
+    "a target without markers": (scenario('target = "chaser"'), MINE),
+    "the camera inside the target": (nothing, "run maxar-demo --span-s 460 480 --out OUT"),
+    "a negative rate": (nothing, "run maxar-demo --rate-hz -1 --out OUT"),
+    "a width of nothing": (nothing, "run maxar-demo --width 0 --out OUT"),
+    "a span before the start": (nothing, "render maxar-demo --span-s -5 20 --out OUT"),
+    "no threads": (nothing, "run maxar-demo --threads 0 --out OUT"),
+    "a Sun of two numbers": (nothing, "run maxar-demo --sun 0,1 --out OUT"),
+    "too many seeds": (nothing, "run maxar-demo --seeds 1001 --out OUT"),
+    "a file for a folder": (nothing, "run maxar-demo --out DIR/camera.toml"),
+    "a folder of another scenario": (nothing, "run maxar-demo --sun S3 --out DIR"),
     "a Sun of zero length": (nothing, "run maxar-demo --sun 0,0,0 --out OUT"),
     "no such Sun": (nothing, "run maxar-demo --sun S9 --out OUT"),
     "samples that are no square": (nothing, "render maxar-demo --spp 5 --out OUT"),
@@ -202,24 +247,62 @@ BAD_INPUT: dict[str, tuple[Callable[[Path], object], str]] = {
     "a truncated frame": (lambda d: cut(d / "frames/000001_850.png"), "estimate DIR"),
     "a frame of another size": (lambda d: [shrink(d / f"frames/000001_{band}.png")
                                            for band in (800, 850)], "estimate DIR"),
+    "an 8-bit frame": (lambda d: make_8_bit(d / "frames/000001_850.png"), "estimate DIR"),
+    "no frames at all": (
+        lambda d: (d / "frames.csv").write_text("index,time_s,exposure_ms\n"), "estimate DIR"),
+    "a camera of no width": (
+        lambda d: replace(d / "camera.toml", "width = 512", "width = -512"), "estimate DIR"),
+    "a detector without gain": (
+        lambda d: replace(d / "detector.toml", "gain_e_dn = 26.0", "gain_e_dn = 0.0"),
+        "estimate DIR"),
+    "half a bit": (
+        lambda d: replace(d / "detector.toml", "bits = 12", "bits = 12.5"), "estimate DIR"),
     "a broken camera": (
         lambda d: replace(d / "camera.toml", "fx = ", "focal = "), "estimate DIR"),
     "a broken prior": (
         lambda d: replace(d / "prior.toml", "euler_321_deg", "euler_deg"), "estimate DIR"),
     "neither dataset nor pairs": (nothing, "estimate"),
     "both dataset and pairs": (nothing, "estimate DIR --frames DIR/frames"),
+    "options of pairs with a dataset": (nothing, "estimate DIR --camera DIR/camera.toml"),
     "pairs without a camera": (nothing, "estimate --frames DIR/frames"),
     "pairs without a prior": (
         lambda d: (d / "prior.toml").unlink(),
         "estimate --frames DIR/frames --camera DIR/camera.toml"),
     "pairs of no known target": (
         nothing, "estimate --frames DIR/frames --camera DIR/camera.toml --target maxar1400"),
+    "no folder of pairs": (nothing, "estimate --frames absent --camera DIR/camera.toml"),
+    "a dataset as pairs": (nothing, "estimate --frames DIR --camera DIR/camera.toml"),
+    "one image of a pair": (lambda d: (d / "frames/000001_800.png").unlink(), PAIRS),
+    "half an image of a pair": (lambda d: cut(d / "frames/000001_800.png"), PAIRS),
+    "pairs of another size": (
+        lambda d: replace(d / "camera.toml", "width = 512", "width = 256"), PAIRS),
+    "pairs of another detector": (
+        lambda d: [make_8_bit(path) for path in (d / "frames").glob("*.png")],
+        f"{PAIRS} --detector DIR/detector.toml"),
+    "pairs at no rate": (nothing, f"{PAIRS} --rate-hz 0"),
     "no estimates": (lambda d: shutil.rmtree(d / "estimates"), "score DIR"),
     "no truth": (lambda d: shutil.rmtree(d / "truth"), "score DIR"),
     "a broken estimate": (
         lambda d: (d / "estimates/best.jsonl").write_text('{"frame": 0}\n'), "score DIR"),
+    "a binary truth": (
+        lambda d: (d / "truth/exposures.jsonl").write_bytes(b"\xff\xfe"), "score DIR"),
+    "half a truth": (lambda d: cut(d / "truth/exposures.jsonl"), "score DIR"),
+    "a marker that is none": (
+        lambda d: replace(d / "estimates/best.jsonl", '"marker": [0', '"marker": [99'),
+        "score DIR"),
+    "broken runtimes": (
+        lambda d: (d / "estimates/best.runtime.csv").write_text("a\n1,2,3\n"), "score DIR"),
+    "half a score": (lambda d: cut(d / "score.json"), "report DIR"),
+    "a score without its NEES": (
+        lambda d: without(d / "score.json", "pipelines", "best", "nees"), "report DIR"),
+    "a score of other frames": (
+        lambda d: (d / "frames.csv").write_text("index,time_s,exposure_ms\n0,0,1\n"),
+        "report DIR"),
     "no score": (lambda d: (d / "score.json").unlink(), "report DIR"),
     "no such frame": (nothing, "show DIR 77"),
+    "no such variant": (nothing, "show DIR 0 --variant bset"),
+    "another version shown": (
+        lambda d: replace(d / "dataset.json", '"version": 1', '"version": 99'), "show DIR 0"),
     "a folder that cannot be written": (
         lambda d: [(d / "score.json").unlink(), (d / "score.json").mkdir()], "score DIR"),
 }  # fmt: skip
