@@ -8,11 +8,12 @@ that does not match is treated as absent and rendered again.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -78,12 +79,13 @@ def read_exr(path: Path) -> dict[str, AnyArray] | None:
 
 @contextmanager
 def _openexr_silenced() -> Iterator[None]:
-    """Turn stderr off: OpenEXR writes pages there about a damaged file, past Python's back."""
+    """Turn stderr and stdout off: OpenEXR writes pages there about a file that is damaged."""
     sys.stderr.flush()
     before, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, STDERR)
-        yield
+        with redirect_stdout(io.StringIO()):
+            yield
     finally:
         os.dup2(before, STDERR)
         os.close(before)
