@@ -15,10 +15,16 @@ from rich.console import Console
 from rich.table import Table
 
 from renders.probe_cache import cache_folder, libllvm_files
+from renders.store import default_store
 from renders.variant import VARIANTS, ProbeResult, probe, remedy
 
 DISTRIBUTIONS = ("rvbench", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headless")
 SCARCE_DISK_BYTES = 5e9  # a full approach at 2048 x 2048 wants a few
+ELSEWHERE = {
+    "caches": "name another folder in RVBENCH_CACHE",
+    "light": "name another folder in RVBENCH_STORE",
+    "here": "write elsewhere with --out",
+}
 DONE, COULD_NOT_RUN = 0, 2
 
 
@@ -95,9 +101,8 @@ def graphics_cards() -> list[str]:
 
 
 def disks() -> list[tuple[str, str]]:
-    """Return the room left where caches are kept and where a run here would write."""
-    folders = {"caches": cache_folder(), "here": Path.cwd()}
-    return [(name, f"{folder}\n{_room(folder)}") for name, folder in folders.items()]
+    """Return the room left where rendered light is kept and where a run here would write."""
+    return [(name, f"{folder}\n{_room(folder)}") for name, folder in _folders().items()]
 
 
 def advice(results: list[ProbeResult], gpus: list[str]) -> list[str]:
@@ -107,11 +112,12 @@ def advice(results: list[ProbeResult], gpus: list[str]) -> list[str]:
         if result.renders or (result.variant == VARIANTS["cuda"] and not gpus):
             continue
         lines.append(f"{result.variant} does not render ({result.reason}): {remedy(result)}")
-    for folder in {_existing(cache_folder()), _existing(Path.cwd())}:
-        if not os.access(folder, os.W_OK):
-            lines.append(f"{folder} cannot be written: choose another with RVBENCH_CACHE or --out")
-        elif shutil.disk_usage(folder).free < SCARCE_DISK_BYTES:
-            lines.append(f"{folder} has little room left: {_room(folder)}")
+    for name, folder in _folders().items():
+        there = _existing(folder)
+        if not os.access(there, os.W_OK):
+            lines.append(f"{name}: {there} cannot be written: {ELSEWHERE[name]}")
+        elif shutil.disk_usage(there).free < SCARCE_DISK_BYTES:
+            lines.append(f"{name}: {folder} has little room, {_room(folder)}: {ELSEWHERE[name]}")
     return lines
 
 
@@ -140,6 +146,10 @@ def _facts(title: str, facts: Iterable[tuple[str, str]]) -> Table:
 
 def _table(title: str) -> Table:
     return Table(title=title, title_justify="left", box=box.SIMPLE, show_header=False)
+
+
+def _folders() -> dict[str, Path]:
+    return {"caches": cache_folder(), "light": default_store(), "here": Path.cwd()}
 
 
 def _existing(folder: Path) -> Path:

@@ -22,6 +22,7 @@ import OpenEXR
 
 from models.arrays import AnyArray, Radiance
 from models.atomic_file import sweep_scratch, whole_or_absent, write_text
+from renders.probe_cache import cache_folder
 
 STORE_VERSION = 1
 CACHE_SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55"
@@ -30,11 +31,10 @@ HALF_MAX = 65504.0  # a glint brighter than this saturates any detector a thousa
 
 
 def default_store() -> Path:
-    """Return ``$RVBENCH_STORE``, or a folder in the user's cache."""
+    """Return ``$RVBENCH_STORE``, or a folder in the house's cache."""
     if named := os.environ.get("RVBENCH_STORE"):
         return Path(named)
-    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(cache) / "rvbench" / "store"
+    return cache_folder() / "store"
 
 
 def entry_key(shaping: Mapping[str, Any]) -> str:

@@ -77,6 +77,17 @@ def test_a_cache_folder_not_there_yet_is_measured_at_its_parent(monkeypatch, tmp
     assert room.endswith("GB free")
 
 
+@pytest.mark.parametrize(
+    ("name", "variable"), [("caches", "RVBENCH_CACHE"), ("light", "RVBENCH_STORE")]
+)
+def test_a_full_disk_is_told_with_the_way_to_another(name, variable, monkeypatch, tmp_path) -> None:
+    monkeypatch.setenv(variable, str(tmp_path))
+    monkeypatch.setattr(doctor, "SCARCE_DISK_BYTES", float("inf"))
+    (line,) = [line for line in doctor.advice([RENDERS], gpus=[]) if line.startswith(f"{name}:")]
+    assert str(tmp_path) in line
+    assert variable in line
+
+
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="the system keeps no affinity")
 def test_cores_are_those_this_process_may_use() -> None:
     allowed = os.sched_getaffinity(0)
