@@ -9,8 +9,6 @@ import shutil
 import signal
 import time
 
-import pytest
-
 from bench.cli import main
 from models.atomic_file import MACHINE
 from tests.support.whole_runs import (
@@ -92,45 +90,6 @@ def test_two_runs_at_once_on_one_store_do_no_harm(whole_run, tmp_path):
     assert not scratch_files(tmp_path)
 
 
-def test_a_finished_run_renders_nothing(whole_run, tmp_path):
-    """Frames are not written again, and neither is the store."""
-    out = tmp_path / "out"
-    shutil.copytree(whole_run.out, out, copy_function=shutil.copy2)
-    before = identities(out / "frames"), identities(whole_run.store)
-    code, errors = rvbench(
-        "run", whole_run.scenario, "--out", out, "--store", whole_run.store, "--seeds", 2
-    )
-    assert code == 0, errors
-    assert f"{EXPOSURES} of {EXPOSURES} exposures are there already" in errors
-    assert (identities(out / "frames"), identities(whole_run.store)) == before
-    assert contents(out) == contents(whole_run.out)
-
-
-def test_another_sun_that_is_shared_costs_no_light(whole_run, tmp_path):
-    before = identities(whole_run.store)
-    out = tmp_path / "S3"
-    code, errors = rvbench(
-        "render", whole_run.scenario, "--sun", "S3", "--out", out, "--store", whole_run.store
-    )
-    assert code == 0, errors
-    assert identities(whole_run.store) == before
-    for image in sorted(out.glob("frames/*.png")):
-        assert image.read_bytes() != (whole_run.out / "frames" / image.name).read_bytes()
-    for labels in sorted(out.glob("truth/labels/*.png")):
-        same = whole_run.out / "truth" / "labels" / labels.name
-        assert labels.read_bytes() == same.read_bytes()
-
-
-def test_another_sun_in_the_same_folder_is_refused_without_harm(whole_run, capsys):
-    before = identities(whole_run.out)
-    asked = ["render", str(whole_run.scenario), "--sun", "S3", "--out", str(whole_run.out)]
-    assert main([*asked, "--store", str(whole_run.store)]) == 2
-    told = capsys.readouterr().err
-    assert "(small, Sun S3, frames: 2); it holds another (small, Sun S2, frames: 2)" in told
-    assert "choose another --out" in told
-    assert identities(whole_run.out) == before
-
-
 def test_light_that_has_left_the_store_comes_back_for_more_runs(whole_run, tmp_path):
     """Frames stay; only the light that is gone or damaged is rendered, and to the same bits."""
     out, store = tmp_path / "out", tmp_path / "store"
@@ -166,18 +125,6 @@ def test_frames_of_another_light_are_never_mixed_with_ours(whole_run, tmp_path, 
     assert identities(out) == before
 
 
-@pytest.mark.parametrize("damage", ["frames/000001_850.png", "truth/exposures/000001_850.json",
-                                    "truth/labels/000000_800.png"])  # fmt: skip
-def test_what_is_truncated_is_made_again(whole_run, tmp_path, damage):
-    out = tmp_path / "out"
-    shutil.copytree(whole_run.out, out, copy_function=shutil.copy2)
-    spoilt = out / damage
-    spoilt.write_bytes(spoilt.read_bytes()[:100])
-    asked = ["render", str(whole_run.scenario), "--out", str(out)]
-    assert main([*asked, "--store", str(whole_run.store)]) == 0
-    assert contents(out) == contents(whole_run.out)
-
-
 def test_what_a_living_process_writes_is_left_alone(whole_run, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(whole_run.out, out, copy_function=shutil.copy2)
@@ -187,4 +134,4 @@ def test_what_a_living_process_writes_is_left_alone(whole_run, tmp_path):
         path.write_bytes(b"half")
     asked = ["render", str(whole_run.scenario), "--out", str(out)]
     assert main([*asked, "--store", str(whole_run.store)]) == 0
-    assert scratch_files(out) == [theirs, mine] or scratch_files(out) == [mine, theirs]
+    assert set(scratch_files(out)) == {mine, theirs}
