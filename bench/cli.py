@@ -55,12 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"rvbench: {error}", file=sys.stderr)
         return COULD_NOT_RUN
     except KeyboardInterrupt:
-        print(
-            "rvbench: interrupted; every file written so far is whole and kept, "
-            "and the same command goes on from there",
-            file=sys.stderr,
-        )
-        return INTERRUPTED
+        return _interrupted()
     except OSError as error:
         print(
             f"rvbench: expected the system to let us read and write, got: {error}; every file "
@@ -68,7 +63,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return COULD_NOT_RUN
-    except Exception:
+    except Exception as error:
+        if _is_an_interrupt(error):
+            return _interrupted()
         traceback.print_exc()
         print(
             "rvbench: this is a fault of rvbench itself; please report it with the lines above "
@@ -96,6 +93,22 @@ def parse(arguments: list[str]) -> Any:
     )
     asked = Union[choices]  # type: ignore[valid-type]  # noqa: UP007
     return tyro.cli(asked, prog="rvbench", description=DESCRIPTION, args=arguments)
+
+
+def _interrupted() -> int:
+    print(
+        "rvbench: interrupted; every file written so far is whole and kept, "
+        "and the same command goes on from there",
+        file=sys.stderr,
+    )
+    return INTERRUPTED
+
+
+def _is_an_interrupt(error: BaseException | None) -> bool:
+    """Tell whether Ctrl-C lies beneath an error: Dr.Jit's loops wrap it in one of their own."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None
 
 
 def _first_line(verb: type[Any]) -> str:

@@ -215,10 +215,10 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         soft_wrap=True,
     )
     with _progress(console) as progress:
-        for exposure in progress.track(left, description="render"):
+        for exposure in progress.track(left, total=len(left), description="render"):
             _render_exposure(studio, writer, exposure, poses[exposure])
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
-            for exposure in progress.track(there, description="light"):
+            for exposure in progress.track(there, total=len(there), description="light"):
                 studio.light(exposure, poses[exposure])
     writer.finish()
 

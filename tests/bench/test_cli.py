@@ -157,6 +157,35 @@ def test_interrupted_says_what_is_kept(monkeypatch, capsys):
     assert "every file written so far is whole and kept" in capsys.readouterr().err
 
 
+def test_an_interrupt_within_another_error_is_one(monkeypatch, capsys):
+    """As Dr.Jit's loops raise it."""
+
+    def interrupt(_: object) -> int:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise RuntimeError("dr.while_loop(): encountered an exception") from error
+
+    monkeypatch.setattr(verbs.List, "run", interrupt)
+    assert main(["list"]) == 130
+    told = capsys.readouterr().err
+    assert told.startswith("rvbench: interrupted")
+    assert "Traceback" not in told
+
+
+def test_a_system_that_refuses_is_one_message(monkeypatch, capsys):
+    """As when stdout leads to a full disk."""
+
+    def refuse(_: object) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(verbs.List, "run", refuse)
+    assert main(["list"]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("rvbench: expected the system to let us read and write, got: [Errno 28]")
+    assert "Traceback" not in told
+
+
 def test_a_fault_of_ours_is_code_2_with_a_traceback(monkeypatch, capsys):
     def stumble(_: object) -> int:
         raise ZeroDivisionError("a fault")
