@@ -15,15 +15,13 @@ import numpy as np
 from models.arrays import Floats, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
-from renders.camera_plugin import sensor_dict
 from renders.light_groups import LampGroup, LightGroup, SunGroup
 from renders.scene import SceneGeometry, place_chaser
+from renders.windows import Window, render_windows
 
 BEAM_CUTOFF_DEG = 60.0  # cos^7 has fallen to 1 % there, far outside the field of view
 BEAM_BITMAP = 512
 SUN_PASSES = 16  # places on the Sun's disc; with 4 the mean is 0.4 % off, with 16 none is seen
-
-Window = tuple[int, int, int, int]  # left, top, width, height, px
 
 
 def sun_disc_directions(group: SunGroup, count: int) -> Floats:
@@ -125,35 +123,17 @@ def render_group(
     else:
         scene = geometry.scene(**_lamp_emitters(group, cam_from_target))
     place_chaser(scene, geometry, cam_from_target)
-    integrator = mi.load_dict({"type": "path", "max_depth": max_depth + 1, "rr_depth": 10_000})
     images = [np.zeros((window[3], window[2])) for window in windows]
+    each = max(1, round(samples / len(directions)))
     for number, direction in enumerate(directions):
         if direction is not None:
             params = mi.traverse(scene)
             params["sun.to_world"] = _sun_transform(direction)
             params.update()
-        for image, (left, top, width, height) in zip(images, windows, strict=True):
-            film = {
-                "type": "hdrfilm",
-                "width": camera.width,
-                "height": camera.height,
-                "crop_offset_x": left,
-                "crop_offset_y": top,
-                "crop_width": width,
-                "crop_height": height,
-                "rfilter": {"type": "box"},
-                "pixel_format": "rgb",
-                "component_format": "float32",
-            }
-            each = max(1, round(samples / len(directions)))
-            sampler = {"type": "stratified", "sample_count": each}
-            sensor = sensor_dict(camera, cam_from_target, film) | {"sampler": sampler}
-            rendered = mi.render(
-                scene,
-                sensor=mi.load_dict(sensor),
-                integrator=integrator,
-                spp=each,
-                seed=(seed + number) % 2**32,
-            )
-            image += np.array(rendered)[..., group.channel] / len(directions)
+        turn = (seed + number) % 2**32
+        rendered = render_windows(
+            scene, camera, cam_from_target, windows, each, max_depth + 1, turn
+        )
+        for image, window in zip(images, rendered, strict=True):
+            image += window[..., group.channel] / len(directions)
     return [image.astype(np.float32) for image in images]

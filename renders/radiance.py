@@ -19,10 +19,12 @@ from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from renders.emitter_by_emitter import Window, render_group
+from renders.emitter_by_emitter import render_group
 from renders.group_integrator import trace_groups
-from renders.light_groups import NIR850, LightGroup
+from renders.light_groups import LampGroup, LightGroup
+from renders.marker_lobes import add_lobes
 from renders.scene import SceneGeometry
+from renders.windows import Window
 
 WINDOW_MARGIN_PX = 3.0  # beyond the disc: the point-spread function at five sigma
 EDGE_PX = 1.5  # a pixel this near to a disc's outline may be cut by it
@@ -172,15 +174,18 @@ def _one_by_one(
     sampling: Sampling,
 ) -> dict[str, Radiance]:
     whole = [(0, 0, camera.width, camera.height)]
+    near_samples = min(NEAR_SAMPLES, sampling.marker_samples)
     images = {}
     for group in groups:
         common = (geometry, camera, cam_from_target, group)
         depth, seed = sampling.max_depth, sampling.seed
         image = render_group(*common, whole, sampling.samples, depth, seed)[0]
-        # Only where markers shine does their outline need the many samples, which are slow here.
-        shining = windows if group.channel == NIR850 else []
-        fine = render_group(*common, shining, sampling.marker_samples, depth, seed)
-        for (left, top, width, height), patch in zip(shining, fine, strict=True):
+        fine = render_group(*common, windows, near_samples, depth, seed)
+        for (left, top, width, height), patch in zip(windows, fine, strict=True):
             image[top : top + height, left : left + width] = patch
+        if isinstance(group, LampGroup) and geometry.discs is not None:
+            in_view = marker_windows(geometry.discs, camera, cam_from_target)
+            samples = max(NEAR_SAMPLES, sampling.marker_samples)
+            add_lobes(image, geometry, camera, cam_from_target, group, in_view, samples, seed)
         images[group.name] = image
     return images

@@ -26,7 +26,6 @@ from renders.surfaces import bsdf_dict
 
 MARKER_LABEL = "retroreflectors"
 CHASER_LABEL = "chaser"
-DISC_LIFT_M = 2e-4  # above its support, so that the two never share a plane
 
 
 @dataclass(eq=False)
@@ -43,12 +42,24 @@ class SceneGeometry:
         Label by shape key.
     chaser_in_cam : dict
         Vertices of each chaser mesh in the camera's axes, m, by shape key.
+    discs : MarkerPattern or None
+        The retroreflectors among the shapes.
+    optics : RetroreflectorOptics
+        What they return. In scalar variants their shapes carry the front face alone, and
+        ``renders.marker_lobes`` adds the rest.
     """
 
     shapes: dict[str, Any]
     labels: tuple[str, ...]
     label_of_shape: dict[str, int]
     chaser_in_cam: dict[str, Floats] = field(default_factory=dict)
+    discs: MarkerPattern | None = None
+    optics: RetroreflectorOptics = RetroreflectorOptics()  # noqa: RUF009 - frozen
+
+    @property
+    def disc_keys(self) -> list[str]:
+        """Keys of the retroreflectors' shapes."""
+        return [] if self.discs is None else [f"marker_{name}" for name in self.discs.names]
 
     def scene(self, **emitters: Any) -> Any:
         """Load a scene of these shapes, with emitters if any."""
@@ -138,7 +149,9 @@ def build_geometry(
         label_of_shape[key] = labels.index(name) + 1
     markers = installed if installed is not None else target.markers
     if markers is not None:
-        face = mi.load_dict(retroreflector_dict(optics))
+        whole = retroreflector_dict(optics)
+        scalar = not dr.is_jit_v(mi.Float)
+        face = mi.load_dict(bsdf_dict(optics.face, two_sided=False) if scalar else whole)
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True
         ):
@@ -152,7 +165,7 @@ def build_geometry(
             shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
             label_of_shape[key] = labels.index(CHASER_LABEL) + 1
             chaser_in_cam[key] = np.asarray(mesh.vertices, dtype=np.float64)
-    return SceneGeometry(shapes, labels, label_of_shape, chaser_in_cam)
+    return SceneGeometry(shapes, labels, label_of_shape, chaser_in_cam, markers, optics)
 
 
 def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:
