@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-import cv2
 import numpy as np
 
 from models.arrays import Floats, Image, Radiance
 from models.camera import Camera
 from models.sensor import Detector, Optics, photon_energy_j
 from renders.light_groups import LampGroup, LightGroup
+from renders.point_spread import blur
 
 SUNLIGHT_NM = 825.0  # middle of the 790 to 860 nm passband, for sunlight's mean photon
 CHIP_SEED = 20220  # one chip flies: its pixel response is the same in every frame and run
@@ -83,12 +83,7 @@ def mean_electrons(
     rate_e_s: Radiance, exposure_ms: float, camera: Camera, optics: Optics, detector: Detector
 ) -> Floats:
     """Return the expected charge of each pixel before the full well, (height, width), e."""
-    blurred = np.asarray(rate_e_s, dtype=np.float32)
-    if optics.psf_sigma_px > 0.0:
-        blurred = cv2.GaussianBlur(
-            blurred, (0, 0), optics.psf_sigma_px, borderType=cv2.BORDER_REPLICATE
-        )
-    charge = blurred.astype(np.float64)
+    charge = blur(rate_e_s, optics.psf_sigma_px)
     if optics.vignetting:
         charge *= vignetting(camera)
     if detector.prnu > 0.0:
