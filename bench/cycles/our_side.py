@@ -1,0 +1,180 @@
+"""Our half of the check: a neutral scene through ``render_radiance``, or through bare Mitsuba.
+
+Usage: ``python -m bench.cycles.our_side JOB.json``; ``bench.cycles.jobs`` tells what a job is.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+
+from bench.cycles.neutral_scene import NeutralMaterial, NeutralScene, NeutralSun, read_scene
+from models.arrays import Labels, Radiance
+from renders.light_groups import SUNLIGHT, SunGroup
+from renders.variant import activate, choose_variant
+
+
+def bsdf_of(material: NeutralMaterial) -> dict[str, Any]:
+    """Return a neutral material for ``mi.load_dict``: its two parts add up."""
+    weight = material.specular / max(material.diffuse + material.specular, 1e-9)
+
+    def grey(value: float) -> dict[str, Any]:
+        return {"type": "rgb", "value": [value] * 3}
+
+    diffuse = {"type": "diffuse", "reflectance": grey(material.diffuse / max(1.0 - weight, 1e-9))}
+    mirror = {
+        "type": "roughconductor",
+        "material": "none",
+        "distribution": "ggx",
+        "alpha": material.alpha,
+        "specular_reflectance": grey(material.specular / max(weight, 1e-9)),
+    }
+    if material.diffuse == 0.0 or material.specular == 0.0:
+        return {"type": "twosided", "bsdf": mirror if material.diffuse == 0.0 else diffuse}
+    blend = {"type": "blendbsdf", "weight": weight, "first": diffuse, "second": mirror}
+    return {"type": "twosided", "bsdf": blend}
+
+
+def geometry_of(scene: NeutralScene) -> Any:
+    """Return the scene's ``renders.scene.SceneGeometry``."""
+    import mitsuba as mi
+
+    from renders.scene import SceneGeometry
+
+    bsdfs = {name: mi.load_dict(bsdf_of(m)) for name, m in scene.materials.items()}
+    shapes, label_of_shape = {}, {}
+    for number, mesh in enumerate(scene.meshes):
+        key = f"mesh_{number:03d}"
+        props = mi.Properties()
+        props["mesh_bsdf"] = bsdfs[mesh.material]
+        smooth = mesh.normals is not None
+        if not smooth:
+            props["face_normals"] = True
+        shape = mi.Mesh(key, len(mesh.vertices), len(mesh.faces), props, smooth, False)
+        params = mi.traverse(shape)
+        params["vertex_positions"] = np.ravel(mesh.vertices).astype(np.float32)
+        params["faces"] = np.ravel(mesh.faces).astype(np.uint32)
+        if mesh.normals is not None:
+            params["vertex_normals"] = np.ravel(mesh.normals).astype(np.float32)
+        params.update()
+        shapes[key] = shape
+        label_of_shape[key] = scene.labels.index(mesh.label) + 1
+    return SceneGeometry(shapes, scene.labels, label_of_shape)
+
+
+def sun_group(sun: NeutralSun) -> SunGroup:
+    """Return a Sun as our renderer's light group."""
+    return SunGroup(
+        sun.name, sun.direction_in_target, sun.irradiance_w_m2, sun.angular_diameter_deg
+    )
+
+
+def write_exr(path: Path, images: dict[str, Radiance]) -> None:
+    """Write radiance as float32 channels, uncompressed, as the other side does."""
+    header = {"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with OpenEXR.File(header, images) as file:
+        file.write(str(path))
+
+
+class OurRenderer:
+    """A scene ready to be rendered by ``render_radiance``."""
+
+    def __init__(self, neutral: NeutralScene, max_depth: int) -> None:
+        self.neutral, self.max_depth = neutral, max_depth
+        self.geometry = geometry_of(neutral)
+        self.scene = self.geometry.scene()
+
+    def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
+        """Render the Suns, all in one pass."""
+        from renders.radiance import Sampling, render_radiance
+
+        sampling = Sampling(samples, samples, self.max_depth, seed)
+        camera, cam_from_target = self.neutral.camera, self.neutral.cam_from_target
+        groups = [sun_group(sun) for sun in suns]
+        return render_radiance(
+            self.scene, self.geometry, camera, cam_from_target, groups, None, sampling
+        )
+
+    def labels(self) -> Labels:
+        """Return the label of what each pixel's centre shows."""
+        from renders.labels import pixel_truth
+
+        camera, cam_from_target = self.neutral.camera, self.neutral.cam_from_target
+        return pixel_truth(self.scene, self.geometry, camera, cam_from_target).labels
+
+
+class BareMitsuba:
+    """The same scene rendered by Mitsuba's own ``path`` integrator and ``directional`` light."""
+
+    def __init__(self, neutral: NeutralScene, max_depth: int) -> None:
+        import mitsuba as mi
+
+        from renders.camera_plugin import sensor_dict
+
+        (sun,) = neutral.suns
+        towards = np.array(sun.direction_in_target)
+        up = np.eye(3)[int(np.argmin(np.abs(towards)))]
+        light = {
+            "type": "directional",
+            "to_world": mi.ScalarTransform4f().look_at(
+                origin=[0.0, 0.0, 0.0], target=(-towards).tolist(), up=up.tolist()
+            ),
+            "irradiance": {"type": "rgb", "value": [sun.irradiance_w_m2] * 3},
+        }
+        film = {
+            "type": "hdrfilm",
+            "width": neutral.camera.width,
+            "height": neutral.camera.height,
+            "rfilter": {"type": "box"},
+            "pixel_format": "rgb",
+            "component_format": "float32",
+        }
+        self.scene = geometry_of(neutral).scene(sun=light)
+        self.sensor = sensor_dict(neutral.camera, neutral.cam_from_target, film)
+        # In Mitsuba's count a light is a vertex too; Russian roulette is off, as in ours.
+        path = {"type": "path", "max_depth": max_depth + 1, "rr_depth": 10_000}
+        self.integrator = mi.load_dict(path)
+
+    def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
+        """Render the one Sun that the scene has."""
+        import mitsuba as mi
+
+        sampler = {"type": "stratified", "sample_count": samples}
+        sensor = mi.load_dict(self.sensor | {"sampler": sampler})
+        image = mi.render(
+            self.scene, sensor=sensor, integrator=self.integrator, spp=samples, seed=seed
+        )
+        return {suns[0].name: np.array(image)[..., SUNLIGHT]}
+
+
+def main(job_file: Path) -> None:
+    """Do a job and write the clock's readings beside it."""
+    job = json.loads(job_file.read_text())
+    clock: list[tuple[str, float]] = [("imported", time.time())]
+    activate(choose_variant(job["variant"]))
+    neutral = read_scene(Path(job["scene"]))
+    by_name = {sun.name: sun for sun in neutral.suns}
+    if job["integrator"] == "path":
+        renderer: OurRenderer | BareMitsuba = BareMitsuba(neutral, job["max_depth"])
+    else:
+        renderer = OurRenderer(neutral, job["max_depth"])
+    clock.append(("ready", time.time()))
+    for task in job["renders"]:
+        suns = [by_name[name] for name in task["suns"]]
+        images = renderer.render(suns, task["samples"], task["seed"])
+        clock.append(("rendered", time.time()))
+        write_exr(Path(task["out"]), images)
+        clock.append(("written", time.time()))
+    if job["labels"] and isinstance(renderer, OurRenderer):
+        np.save(job["labels"], renderer.labels())
+    job_file.with_suffix(".clock.json").write_text(json.dumps(clock))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
