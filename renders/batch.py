@@ -7,6 +7,7 @@ is done.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
@@ -76,12 +77,30 @@ class Studio:
         there = read_groups(self.store, self.world, exposure.band, keys)
         if there is not None:
             return there
+        images = self.trace(exposure, cam_from_target, self.world.groups(exposure.band))
+        for name, image in images.items():
+            self.store.write(keys[name], image)
+        # Read back: a frame made at once and one made from the store are the same to the bit.
+        stored = read_groups(self.store, self.world, exposure.band, keys)
+        if stored is None:
+            raise StorageError(
+                f"expected to read back what was just written to the store {self.store.folder}, "
+                "got nothing or something else; choose another --store on a disk that keeps it"
+            )
+        return stored
+
+    def trace(
+        self,
+        exposure: Exposure,
+        cam_from_target: RigidTransform,
+        groups: Sequence[LightGroup],
+    ) -> dict[str, Radiance]:
+        """Trace groups in one pass; nothing is stored."""
         from renders.radiance import Sampling, render_radiance
 
         self.build(cam_from_target)
-        groups = self.world.groups(exposure.band)
         render = self.world.scenario.render
-        images = render_radiance(
+        return render_radiance(
             self.scene,
             self.geometry,
             self.world.camera,
@@ -95,16 +114,6 @@ class Studio:
                 seed=self.world.render_seed(exposure.frame),
             ),
         )
-        for name, image in images.items():
-            self.store.write(keys[name], image)
-        # Read back: a frame made at once and one made from the store are the same to the bit.
-        stored = read_groups(self.store, self.world, exposure.band, keys)
-        if stored is None:
-            raise StorageError(
-                f"expected to read back what was just written to the store {self.store.folder}, "
-                "got nothing or something else; choose another --store on a disk that keeps it"
-            )
-        return stored
 
     def truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> ExposureTruth:
         """Return the sealed record of an exposure."""
