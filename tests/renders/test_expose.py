@@ -141,30 +141,6 @@ def test_a_corner_of_the_chaser_fixed_camera_gets_half_the_light() -> None:
 # Noise
 
 
-def test_photon_transfer_curve_gives_back_gain_and_read_noise() -> None:
-    """Variance against mean, from differences of pairs, as Janesick (2007, chapter 5) measures.
-
-    At 6 e/DN, where the converter resolves the read noise; at 26 e/DN it is half a step, and
-    rounding adds less than the 1/12 that the method reckons with.
-    """
-    detector = replace(DETECTOR, gain_e_dn=6.0)
-    levels, variances = [], []
-    for electrons in (0.0, 1e3, 4e3, 8e3, 1.2e4, 1.6e4):
-        pairs = [
-            [flat_field(electrons, detector, run=2 * k + side) for side in (0, 1)] for k in range(4)
-        ]
-        frames = np.array(pairs, dtype=np.float64)
-        levels.append(frames.mean() - detector.bias_dn)
-        variances.append((frames[:, 0] - frames[:, 1]).var() / 2.0)
-    weights = 1.0 / np.array(variances)
-    slope, offset = np.polyfit(levels, variances, 1, w=weights)
-    pixels = 4 * CAMERA.width * CAMERA.height
-    four_sigma = 4.0 * np.sqrt(2.0 / pixels)  # of a variance from that many differences
-    assert 1.0 / slope == pytest.approx(detector.gain_e_dn, rel=four_sigma)
-    read_e = np.sqrt(offset - 1.0 / 12.0) * detector.gain_e_dn
-    assert read_e == pytest.approx(detector.read_noise_e, rel=four_sigma)
-
-
 @pytest.mark.parametrize("electrons", [0.0, 300.0, 3e4, 9e4])
 def test_frames_are_as_noisy_as_the_detector_says(electrons: float) -> None:
     """Centroid weights rest on ``Detector.noise_dn``: it must be what frames really show."""
