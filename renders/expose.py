@@ -15,6 +15,7 @@ import numpy as np
 from models.arrays import Floats, Image, Radiance
 from models.camera import Camera
 from models.sensor import Detector, Optics, photon_energy_j
+from renders.blooming import bloom
 from renders.light_groups import LampGroup, LightGroup
 from renders.point_spread import blur
 
@@ -89,26 +90,6 @@ def mean_electrons(
     if detector.prnu > 0.0:
         charge *= pixel_response(camera.height, camera.width, detector.prnu)
     return (charge + detector.dark_current_e_s) * (exposure_ms * 1e-3)
-
-
-def bloom(charge: Floats, full_well_e: float, share: float) -> Floats:
-    """Clip at the full well; ``share`` of the excess runs along the column, half each way.
-
-    A spill fills the next pixel up to its own full well and what is left runs on; what reaches
-    the end of a column is lost to the drain.
-    """
-    clipped = np.minimum(charge, full_well_e)
-    if share <= 0.0 or not (charge > full_well_e).any():
-        return clipped
-    spill = 0.5 * share * (charge - clipped)
-    for rows in (range(charge.shape[0]), range(charge.shape[0] - 1, -1, -1)):
-        carried = np.zeros(charge.shape[1])
-        for row in rows:
-            room = full_well_e - clipped[row]
-            taken = np.minimum(carried, room)
-            clipped[row] += taken
-            carried = carried - taken + spill[row]
-    return clipped
 
 
 def expose_electrons(mean_e: Floats, detector: Detector, rng: np.random.Generator) -> Image:

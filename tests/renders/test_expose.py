@@ -4,16 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from models.arrays import Floats, Image, Radiance
+from models.arrays import Image, Radiance
 from models.camera import CAMERAS, Camera
 from models.lights.led_beam import LAMPS_800, LAMPS_850
 from models.sensor import Detector, Optics
 from renders.expose import (
     SUNLIGHT_NM,
-    bloom,
     electron_rate,
     electrons_per_radiance,
     expose_electrons,
@@ -214,59 +213,6 @@ def test_nothing_goes_below_zero() -> None:
     assert frame.min() == 0
     assert (frame == 0).mean() == pytest.approx(0.5, abs=0.05)  # half the noise is below
     assert frame.max() < 100
-
-
-# Blooming
-
-WELL = 100.0
-charges = st.lists(
-    st.lists(st.floats(0.0, 140.0), min_size=3, max_size=3), min_size=9, max_size=9
-).map(np.array)
-
-
-def spot(excess: float, row: int = 20, rows: int = 41) -> Floats:
-    charge = np.zeros((rows, 3))
-    charge[row, 1] = WELL + excess
-    return charge
-
-
-def test_without_blooming_the_excess_is_gone() -> None:
-    charge = bloom(spot(500.0), WELL, 0.0)
-    assert charge.sum() == pytest.approx(WELL)
-
-
-def test_blooming_runs_along_the_column_half_each_way_and_keeps_all_charge() -> None:
-    charge = bloom(spot(500.0), WELL, 1.0)
-    assert charge.sum() == pytest.approx(WELL + 500.0)
-    assert (charge[:, [0, 2]] == 0.0).all()
-    np.testing.assert_allclose(charge[:, 1], charge[::-1, 1])
-    np.testing.assert_allclose(charge[18:23, 1], WELL)
-    np.testing.assert_allclose(charge[[17, 23], 1], 50.0)
-
-
-@pytest.mark.parametrize("share", [0.25, 0.5, 1.0])
-def test_a_share_of_the_excess_blooms(share: float) -> None:
-    charge = bloom(spot(500.0), WELL, share)
-    assert charge.sum() == pytest.approx(WELL + share * 500.0)
-
-
-def test_what_reaches_the_end_of_a_column_is_drained() -> None:
-    charge = bloom(spot(1000.0, row=1, rows=20), WELL, 1.0)
-    np.testing.assert_allclose(charge[:7, 1], WELL)  # one above, five below
-    assert charge.sum() == pytest.approx(WELL + 500.0 + WELL)
-
-
-@settings(max_examples=60)
-@given(charge=charges, share=st.floats(0.0, 1.0))
-def test_blooming_makes_no_charge_and_overfills_no_pixel(charge: Floats, share: float) -> None:
-    before = charge.copy()
-    after = bloom(charge, WELL, share)
-    excess = np.maximum(before - WELL, 0.0)
-    np.testing.assert_array_equal(charge, before)
-    assert (after <= WELL).all()
-    assert (after >= np.minimum(before, WELL)).all()
-    limit = np.minimum(before, WELL).sum(axis=0) + share * excess.sum(axis=0)
-    assert (after.sum(axis=0) <= limit + 1e-9).all()
 
 
 # Seeds
