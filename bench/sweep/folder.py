@@ -1,0 +1,93 @@
+"""The folder of a sweep.
+
+::
+
+    DIR/sweep.csv, sweep.json     the table, see ``bench.sweep.table``
+        sweep.html                both maps, the table, the extremes: opens offline
+        sun_map.png               or sun_map_1.png and so on, one for each setting
+        extremes/best_1.png       and best_2 to harshest_3, the 850 nm frames at full size
+        shots/                    what each shot came to, see ``bench.sweep.shots``
+        truth/scenario.toml       the scenario with every default resolved
+              pose_285.000.json   what each pose truly was
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from bench.sweep.plan import SweepPlan, SweepPose
+from models.atomic_file import write_text
+from models.errors import DatasetError
+from models.lights.sun_grid import NamedSun
+from renders.scenario import read_scenario
+from renders.truth import ExposureTruth
+
+PoseTruth = tuple[ExposureTruth, dict[str, list[float]]]
+
+
+def check_folder(plan: SweepPlan) -> None:
+    """Refuse a file, a dataset, or a sweep of another scenario.
+
+    Poses, Suns, exposures, lamp powers and pipelines may be others than last time: what is there
+    of them is used again.
+
+    Raises
+    ------
+    DatasetError
+        Nothing was changed.
+    """
+    out = plan.request.out
+    if out.exists() and not out.is_dir():
+        raise DatasetError(f"expected a folder at {out}, found a file; choose another --out")
+    if (out / "dataset.json").exists():
+        raise DatasetError(
+            f"expected {out} to be empty or to hold this very sweep, it holds a dataset; "
+            "nothing was changed: choose another --out"
+        )
+    there = scenario_path(out)
+    if not there.is_file():
+        return
+    scenario = read_scenario(there)
+    if scenario.fingerprint() != plan.scenario.fingerprint():
+        differs = [
+            name
+            for name, value in plan.scenario.model_dump().items()
+            if scenario.model_dump()[name] != value
+        ]
+        raise DatasetError(
+            f"expected {out} to be empty or to hold a sweep of this very scenario; it holds one of "
+            f"another ({', '.join(differs)} differ); nothing was changed: choose another --out"
+        )
+
+
+def scenario_path(out: Path) -> Path:
+    """Return where the resolved scenario lies: it holds the motion, so behind the wall."""
+    return out / "truth" / "scenario.toml"
+
+
+def read_pose_truth(
+    out: Path, pose: SweepPose, key: str, suns: Sequence[NamedSun]
+) -> PoseTruth | None:
+    """Read the truth of a pose; None if it is absent, of another scene, or lacks a Sun."""
+    try:
+        table: dict[str, Any] = json.loads(_truth_path(out, pose).read_text())
+        sun_lit = {str(text): [float(x) for x in xs] for text, xs in table["sun_lit"].items()}
+        truth = ExposureTruth.from_json(table["truth"])
+        known = table["key"] == key and all(sun.text in sun_lit for sun in suns)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+    return (truth, sun_lit) if known else None
+
+
+def write_pose_truth(out: Path, pose: SweepPose, key: str, found: PoseTruth) -> None:
+    """Write the truth of a pose, and how much each Sun lights of each marker, by ``--sun`` text."""
+    truth, sun_lit = found
+    table = {"key": key, "truth": truth.to_json(), "sun_lit": sun_lit}
+    write_text(_truth_path(out, pose), json.dumps(table) + "\n")
+
+
+def _truth_path(out: Path, pose: SweepPose) -> Path:
+    return out / "truth" / f"pose_{pose.time_s:.3f}.json"

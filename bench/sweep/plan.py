@@ -1,0 +1,233 @@
+"""What a sweep is asked to do, and what that comes to: poses, Suns, exposures, lamp powers."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq
+
+from models.errors import ScenarioError
+from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
+from pipelines.options import VARIANTS
+from renders.scenario import RenderRequest, Scenario, check_scenario, resolve
+from renders.sweep_batches import suns_in_a_batch
+from renders.world import World
+
+DEFAULT_STEP_DEG = 15.0
+DEFAULT_MEMORY_GB = 4.0
+RANGE_STEP_S = 1.0  # the range falls by 15 mm meanwhile, and never rises
+TIME_DIGITS = 3  # a moment is told to the millisecond: 15 um of range
+
+
+@dataclass(frozen=True)
+class SweepRequest:
+    """A case and the options typed with it.
+
+    Attributes
+    ----------
+    case : str
+        Name of a case, or path of a scenario file.
+    out : Path
+        Folder of the sweep.
+    range_m, time_s : tuple of float, m and s
+        Poses: when the camera is so far from the ring, or at these moments.
+    sun_step_deg : float, optional, deg
+        A grid of Suns; see ``models.lights.sun_grid``.
+    suns : tuple of str
+        Or a list of them.
+    exposure_ms, lamp_w_sr : tuple of float, ms and W/sr
+        Exposure times and lamp powers to try with every pose and Sun; the case's own if empty.
+    pipeline : str
+        ``best``, ``paper`` or ``both``.
+    width, spp, marker_samples : int, optional
+    variant : str
+        How Mitsuba computes: auto, llvm, cuda or scalar.
+    store : Path, optional
+    threads : int, optional
+    memory_gb : float, GiB
+        Bound on the memory of the rendering process.
+    """
+
+    case: str
+    out: Path
+    range_m: tuple[float, ...] = ()
+    time_s: tuple[float, ...] = ()
+    sun_step_deg: float | None = None
+    suns: tuple[str, ...] = ()
+    exposure_ms: tuple[float, ...] = ()
+    lamp_w_sr: tuple[float, ...] = ()
+    pipeline: Literal["best", "paper", "both"] = "both"
+    width: int | None = None
+    spp: int | None = None
+    marker_samples: int | None = None
+    variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
+    store: Path | None = None
+    threads: int | None = None
+    memory_gb: float = DEFAULT_MEMORY_GB
+
+
+@dataclass(frozen=True)
+class SweepPose:
+    """One moment of the approach.
+
+    Attributes
+    ----------
+    time_s : float, s
+        Middle of the 850 nm exposure.
+    range_m : float, m
+        From the camera to the centre of the ring then.
+    """
+
+    time_s: float
+    range_m: float
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """A request resolved.
+
+    Attributes
+    ----------
+    request : SweepRequest
+    scenario : Scenario
+        Of the case with the options given; its motion and Sun are set for each frame.
+    poses : tuple of SweepPose
+    suns : tuple of NamedSun
+    pipelines : tuple of str
+    workers : int
+        Processes that expose and estimate.
+    suns_in_a_pass : int
+    """
+
+    request: SweepRequest
+    scenario: Scenario
+    poses: tuple[SweepPose, ...]
+    suns: tuple[NamedSun, ...]
+    pipelines: tuple[str, ...]
+    workers: int
+    suns_in_a_pass: int
+
+
+def plan_sweep(request: SweepRequest) -> SweepPlan:
+    """Resolve a request, and refuse what cannot be done before anything is.
+
+    Raises
+    ------
+    ScenarioError
+        The message says what is possible.
+    """
+    scenario = resolve(
+        RenderRequest(
+            request.case,
+            request.out,
+            width=request.width,
+            spp=request.spp,
+            threads=request.threads,
+        )
+    )
+    if request.marker_samples is not None:
+        if request.marker_samples < 1:
+            raise ScenarioError(
+                f"expected --marker-samples of at least 1, got {request.marker_samples}"
+            )
+        render = scenario.render.model_copy(update={"marker_samples": request.marker_samples})
+        scenario = scenario.model_copy(update={"render": render})
+        check_scenario(scenario, f"{request.case} with the options given")
+    _require_positive("--exposure-ms", request.exposure_ms)
+    _require_positive("--lamp-w-sr", request.lamp_w_sr)
+    suns = _suns(request)
+    return SweepPlan(
+        request=request,
+        scenario=scenario,
+        poses=_poses(request, World(scenario)),
+        suns=tuple(suns),
+        pipelines=tuple(VARIANTS) if request.pipeline == "both" else (request.pipeline,),
+        workers=request.threads or os.cpu_count() or 1,
+        suns_in_a_pass=suns_in_a_batch(scenario.simulated_camera, request.memory_gb),
+    )
+
+
+def _suns(request: SweepRequest) -> list[NamedSun]:
+    if request.suns and request.sun_step_deg is not None:
+        raise ScenarioError(
+            "expected either a grid of Suns, --sun-step-deg, or a list of them, --suns; got both"
+        )
+    if request.suns:
+        return chosen_suns(request.suns)
+    step_deg = DEFAULT_STEP_DEG if request.sun_step_deg is None else request.sun_step_deg
+    return sun_grid(step_deg)
+
+
+def _poses(request: SweepRequest, world: World) -> tuple[SweepPose, ...]:
+    if not request.range_m and not request.time_s:
+        near_m, far_m = ranges_covered_m(world)
+        raise ScenarioError(
+            f"expected a pose of {world.scenario.name}: --range-m from {near_m:.2f} to "
+            f"{far_m:.2f}, or --time-s from {world.scenario.motion.start_s:g} to "
+            f"{world.scenario.motion.end_s:g}; got neither"
+        )
+    times_s = [moment_at_range(world, range_m) for range_m in request.range_m]
+    motion = world.scenario.motion
+    for time_s in request.time_s:
+        if not motion.start_s <= time_s <= motion.end_s:
+            raise ScenarioError(
+                f"expected --time-s from {motion.start_s:g} to {motion.end_s:g}, the moments of "
+                f"{world.scenario.name}, got {time_s:g}"
+            )
+        times_s.append(time_s)
+    return tuple(SweepPose(time_s, range_at(world, time_s)) for time_s in dict.fromkeys(times_s))
+
+
+def range_at(world: World, time_s: float) -> float:
+    """Return how far the camera is from the ring's centre, m."""
+    return float(np.linalg.norm(world.approach.cam_from_target(time_s).translation))
+
+
+def ranges_covered_m(world: World) -> tuple[float, float]:
+    """Return the least and the greatest range of a case, m, each rounded inwards to a cm."""
+    ranges_m = [range_at(world, time_s) for time_s in _clock_s(world)]
+    near_m, far_m = np.ceil(100.0 * min(ranges_m)) / 100.0, np.floor(100.0 * max(ranges_m)) / 100.0
+    return float(near_m), float(far_m)
+
+
+def moment_at_range(world: World, range_m: float) -> float:
+    """Return when the camera first is so far from the ring's centre, s, to the millisecond.
+
+    Raises
+    ------
+    ScenarioError
+        If it never is; the message says what ranges there are.
+    """
+    clock_s = _clock_s(world)
+    excess_m = [range_at(world, time_s) - range_m for time_s in clock_s]
+    for number, (before, after) in enumerate(pairwise(excess_m)):
+        if before == 0.0 or before * after < 0.0:
+            crossing_s = brentq(
+                lambda time_s: range_at(world, time_s) - range_m,
+                clock_s[number],
+                clock_s[number + 1],
+            )
+            return round(float(crossing_s), TIME_DIGITS)
+    near_m, far_m = ranges_covered_m(world)
+    motion = world.scenario.motion
+    raise ScenarioError(
+        f"expected --range-m from {near_m:.2f} to {far_m:.2f}, the ranges of {world.scenario.name} "
+        f"from {motion.start_s:g} to {motion.end_s:g} s, got {range_m:g}"
+    )
+
+
+def _clock_s(world: World) -> list[float]:
+    motion = world.scenario.motion
+    count = max(2, int(np.ceil((motion.end_s - motion.start_s) / RANGE_STEP_S)) + 1)
+    return [float(time_s) for time_s in np.linspace(motion.start_s, motion.end_s, count)]
+
+
+def _require_positive(option: str, values: tuple[float, ...]) -> None:
+    for value in values:
+        if not 0.0 < value < np.inf:
+            raise ScenarioError(f"expected {option} above 0, got {value:g}")

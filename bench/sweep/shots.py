@@ -1,0 +1,205 @@
+"""One shot of a sweep: a pair exposed from stored light, and what each pipeline says of it.
+
+Shots are taken in worker processes. A pipeline gets the pair, the calibration and the prior as
+drawn; truth stays with whoever judges. No Mitsuba is loaded. What a shot came to is kept as
+``DIR/shots/KEY.json`` with ``KEY.png``, its 850 nm image small; the key is the hash of all that
+shaped it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.stretch import stretch
+from models.arrays import Image, Radiance
+from models.atomic_file import write_bytes, write_text
+from models.errors import DatasetError
+from models.estimate import Estimate
+from models.estimates_file import estimate_from_json, estimate_to_json
+from models.frame import FlightKnowledge, Frame
+from models.sensor import Detector
+from pipelines.chaser_fixed import ChaserFixed, options_for
+from renders.light_groups import LightGroup
+from renders.replay import compose, read_groups
+from renders.scenario import Scenario
+from renders.store import RadianceStore
+from renders.world import World
+
+SHOT_FORMAT, SHOT_VERSION = "rvbench-shot", 1
+THUMBNAIL_PX = 160
+RUN = 0  # whose detector noise and prior: those of `rvbench run`
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Everything that shapes one shot.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Of one frame, under one Sun; see ``renders.sweep_batches.scenario_at``.
+    store : Path
+    light : dict
+        Store keys by band and group name.
+    exposure_ms : float, ms
+    lamp_factor : float
+        Lamp power over that of the scenario.
+    pipelines : tuple of str
+        Variants to ask.
+    """
+
+    scenario: Scenario
+    store: Path
+    light: Mapping[int, Mapping[str, str]]
+    exposure_ms: float
+    lamp_factor: float
+    pipelines: tuple[str, ...]
+
+    @cached_property
+    def key(self) -> str:
+        """Hash of all of it but the store's place."""
+        shaping = {
+            "format": [SHOT_FORMAT, SHOT_VERSION, THUMBNAIL_PX],
+            "scenario": self.scenario.fingerprint(),
+            "light": {str(band): dict(keys) for band, keys in self.light.items()},
+            "exposure_ms": self.exposure_ms,
+            "lamp_factor": self.lamp_factor,
+            "pipelines": {name: repr(options_for(name)) for name in self.pipelines},
+        }
+        return hashlib.sha256(json.dumps(shaping, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class ShotRecord:
+    """What a shot came to.
+
+    Attributes
+    ----------
+    estimates : dict of str to Estimate
+        By pipeline variant.
+    saturated_percent : dict of int to float
+        Share of the pixels at the full well or the converter's end, within their noise, by band.
+    thumbnail : (n, n) uint8 array
+        The 850 nm image, small, stretched as everywhere (``bench.stretch``).
+    """
+
+    estimates: dict[str, Estimate]
+    saturated_percent: dict[int, float]
+    thumbnail: NDArray[np.uint8]
+
+
+def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> bool:
+    """Take shots of one pose under one Sun, and keep what they came to in ``out/shots``.
+
+    Returns
+    -------
+    bool
+        False if the store has not, or no longer, the light that they need; nothing is kept then.
+    """
+    light = read_light(shots[0])
+    if light is None:
+        return False
+    for shot in shots:
+        frame = exposed(shot, light)
+        estimates = {
+            name: ChaserFixed(knowledge, options_for(name)).process(frame)
+            for name in shot.pipelines
+        }
+        _write(out, shot, frame, estimates, knowledge.detector)
+    return True
+
+
+def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
+    """Read what lights a shot, by band; None if an entry is absent or damaged."""
+    world, store = World(shot.scenario), RadianceStore(shot.store)
+    light = {}
+    for band, keys in shot.light.items():
+        groups = read_groups(store, world, band, keys)
+        if groups is None:
+            return None
+        light[band] = groups
+    return light
+
+
+def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> Frame:
+    """Expose the pair: light is linear, so another lamp power is a factor."""
+    world = World(shot.scenario)
+    images: dict[int, Image] = {}
+    for exposure in world.exposures:
+        lamps = world.lamps(exposure.band).name
+        groups = {
+            group: radiance * np.float32(shot.lamp_factor)
+            if group.name == lamps and shot.lamp_factor != 1.0
+            else radiance
+            for group, radiance in light[exposure.band].items()
+        }
+        images[exposure.band] = compose(world, groups, exposure, shot.exposure_ms, RUN)
+    time_s = world.scenario.times_s[0]
+    return Frame(0, time_s, images[800], images[850], shot.exposure_ms)
+
+
+def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
+    """Read what a shot came to; None if it has not been taken or its files are not whole."""
+    path = _path(out, shot)
+    try:
+        record = json.loads(path.read_text())
+        if record["key"] != shot.key:
+            return None
+        estimates = {name: estimate_from_json(record["estimates"][name]) for name in shot.pipelines}
+        saturated = {int(band): float(x) for band, x in record["saturated_percent"].items()}
+        data = np.frombuffer(path.with_suffix(".png").read_bytes(), np.uint8)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    thumbnail = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if len(data) else None
+    if thumbnail is None:
+        return None
+    return ShotRecord(estimates, saturated, np.asarray(thumbnail, dtype=np.uint8))
+
+
+def picture(image: Image, detector: Detector, width_px: int | None = None) -> NDArray[np.uint8]:
+    """Return a frame as grey levels, averaged down to ``width_px`` if it is wider."""
+    grey = stretch(image.astype(np.float64) - detector.bias_dn, detector)
+    if width_px is not None and width_px < grey.shape[1]:
+        height_px = round(grey.shape[0] * width_px / grey.shape[1])
+        grey = cv2.resize(grey, (width_px, height_px), interpolation=cv2.INTER_AREA)
+    return np.rint(255.0 * grey).astype(np.uint8)
+
+
+def encoded_png(grey: NDArray[np.uint8]) -> bytes:
+    """Return grey levels as PNG."""
+    ok, data = cv2.imencode(".png", grey)
+    if not ok:
+        raise DatasetError(f"expected OpenCV to encode an image of {grey.shape}, it refused")
+    return bytes(data.tobytes())
+
+
+def _write(
+    out: Path, shot: Shot, frame: Frame, estimates: Mapping[str, Estimate], detector: Detector
+) -> None:
+    path = _path(out, shot)
+    small = picture(frame.image_850, detector, THUMBNAIL_PX)
+    write_bytes(path.with_suffix(".png"), encoded_png(small))
+    full_dn = detector.saturation_dn - 3.0 * detector.read_noise_e / detector.gain_e_dn - 1.0
+    pair = {800: frame.image_800, 850: frame.image_850}
+    record = {
+        "format": SHOT_FORMAT,
+        "key": shot.key,
+        "estimates": {name: estimate_to_json(said) for name, said in estimates.items()},
+        "saturated_percent": {
+            str(band): 100.0 * float((image >= full_dn).mean()) for band, image in pair.items()
+        },
+    }
+    write_text(path, json.dumps(record) + "\n")  # last: a shot with its record is whole
+
+
+def _path(out: Path, shot: Shot) -> Path:
+    return out / "shots" / f"{shot.key[:24]}.json"
