@@ -91,7 +91,7 @@ MATERIALS: dict[str, Material] = {
             "mli_gold",
             (0.060, 0.060, 0.060),
             (0.697, 0.694, 0.705),
-            0.12,
+            0.10,
             "Aluminised Kapton, film outward. Aluminium seen through polyimide (n = 1.7): 0.790 "
             "at 800 nm and 0.793 at 850 nm (Rakic et al. 1998, Appl. Opt. 37, 5271), with the "
             "film's front face and 2 % loss each way added: 0.75 to 0.77 in all, our estimate; "
@@ -101,7 +101,7 @@ MATERIALS: dict[str, Material] = {
             "mli_aluminium",
             (0.060, 0.060, 0.060),
             (0.808, 0.809, 0.810),
-            0.12,
+            0.10,
             "Aluminised film, metal outward: total 0.868 over the band, 0.869 at 800 nm, 0.865 "
             "at the 825 nm interband dip, 0.870 at 850 nm (Rakic et al. 1998, Appl. Opt. 37, "
             "5271); solar absorptance 0.14 (Fortescue et al. 2011, Table 11.3)",

@@ -32,7 +32,7 @@ def apogee_engine_parts() -> tuple[Part, ...]:
     return (
         Part("apogee_engine", _engine(), "titanium_nozzle", smooth=True),
         Part("apogee_engine", _stiffeners(), "titanium_nozzle", smooth=True),
-        Part("heat_shield", _heat_shield(), "mli_aluminium"),
+        Part("heat_shield", _heat_shield(), "mli_aluminium", smooth=True),
         Part("heat_shield", _well(), "mli_aluminium", smooth=True),
         Part("heat_shield", _shield_rim(), "bare_aluminium", smooth=True),
     )
@@ -101,7 +101,7 @@ def _shield_blanket() -> Blanket:
     return Blanket(
         low=(-FOOT_INNER_M, -FOOT_INNER_M),
         high=(FOOT_INNER_M, FOOT_INNER_M),
-        facet_m=0.026,
+        facet_m=0.018,
         seed=490,
         seams=seams,
         hole=(0.0, 0.0, ENGINE_WELL_M),

@@ -1,9 +1,11 @@
 """Multi-layer insulation: crinkled foil over a flat panel, quilted by seams, held flat at fittings.
 
-The outer foil is stiff and thin, so it does not wave: it breaks into flat facets of a decimetre
-that meet in sharp creases, and those into smaller ones; each facet turns the Sun's image its own
-way. Here a coarse random triangulation is the creased sheet, its edges sampled so that they stay
-sharp, and finer facets fill it; over all lies the soft pillow between seams.
+The outer foil is stiff and thin, so it does not wave: it breaks into facets that meet in sharp
+creases, and those into smaller ones, over a wide range of sizes (Blair and Kudrolli 2005, Phys.
+Rev. Lett. 94, 166107); each facet turns the Sun's image its own way. Here two random
+triangulations of a random height, one fine and one coarse, are folded into one sheet; their edges
+are vertices of the mesh, so that they stay sharp. Over it lies the soft pillow between seams.
+Small turns between triangles are shaded smoothly, as foil bends; larger ones are creases.
 """
 
 from __future__ import annotations
@@ -15,15 +17,18 @@ import trimesh
 from scipy.spatial import Delaunay, cKDTree
 
 from models.arrays import AnyArray, Floats
-from models.spacecraft.solids import joined, mesh_of
+from models.spacecraft.solids import creased, joined, mesh_of
 
 TAPE_WIDTH_M = 0.03
 HOLD_M = 0.06  # the foil is free again this far from where it is held
-CREASE_FACETS = 4.5  # size of the large facets over that of the small ones
-FINE_SHARE = 0.16  # of the relief that the small facets have
+FOLD_FACETS = (5.5, 2.2)  # size of the large and the middling facets over that of the mesh
+RELIEF_SHARES = (0.70, 0.24, 0.06)  # of the relief: large facets, middling ones, the mesh's own
+CREASE_DEG = 7.0  # triangles that turn by more from each other meet in a sharp crease
+APART = 0.45  # of the mesh's size: points nearer than this to another are left out
 SLIVER_M2 = 1e-9  # triangles on the straight edges that are thinner than this are none
 
 Point = tuple[float, float]
+Line = tuple[Point, Point]
 Circle = tuple[float, float, float]  # x, y, radius
 
 
@@ -36,7 +41,7 @@ class Blanket:
     low, high : (float, float), m
         Corners of its rectangle.
     facet_m : float, m
-        Size of the smallest facets.
+        Size of the smallest facets, the triangles of the mesh.
     seed : int
     seams : tuple of ((float, float), (float, float)), m
         Taped lines along which the foil is held down.
@@ -46,6 +51,8 @@ class Blanket:
         Whether the foil is the circle inside the rectangle, not the whole of it.
     held_flat : tuple of (float, float, float), m
         (x, y, radius) of places where a fitting clamps the foil.
+    buttons : tuple of (float, float, float), m
+        (x, y, radius) of the washers that clip the foil down.
     relief_m : float, m
         Height of the creases above the held-down foil.
     pillow_m : float, m
@@ -56,10 +63,11 @@ class Blanket:
     high: Point
     facet_m: float
     seed: int
-    seams: tuple[tuple[Point, Point], ...] = ()
+    seams: tuple[Line, ...] = ()
     hole: Circle | None = None
     is_round: bool = False
     held_flat: tuple[Circle, ...] = ()
+    buttons: tuple[Circle, ...] = ()
     relief_m: float = 0.016
     pillow_m: float = 0.006
 
@@ -69,7 +77,10 @@ class Blanket:
         return self.relief_m + self.pillow_m
 
     def foil(self) -> trimesh.Trimesh:
-        """Return the foil: z from 0, where it is held, to ``max_height_m``; normals towards +z."""
+        """Return the foil: z from 0, where it is held, to ``max_height_m``; normals towards +z.
+
+        Vertices are shared where it bends and split where it is creased: shade it smoothly.
+        """
         edge = self._edge()
         inner, relief = self._inner_points()
         points = np.concatenate([inner, edge])
@@ -82,7 +93,7 @@ class Blanket:
             middle = corners.mean(axis=1) - np.array(self.hole[:2])
             keep &= np.linalg.norm(middle, axis=1) > self.hole[2]
         height = np.concatenate([self._heights(inner, relief), np.zeros(len(edge))])
-        return mesh_of(np.column_stack([points, height]), triangles[keep])
+        return creased(mesh_of(np.column_stack([points, height]), triangles[keep]), CREASE_DEG)
 
     def tape(self) -> trimesh.Trimesh:
         """Return the strips that close the seams, a millimetre above the foil held by them."""
@@ -111,18 +122,29 @@ class Blanket:
         return np.concatenate([edge, rim])
 
     def _inner_points(self) -> tuple[Floats, Floats]:
-        """Return the vertices inside the outline, along creases and between them, and relief."""
+        """Return the vertices inside the outline, on creases and between them, and their relief."""
+        folds = [self._folds(purpose, size) for purpose, size in enumerate(FOLD_FACETS)]
         low, high = self._corners
-        spacing, rng = CREASE_FACETS * self.facet_m, self._rng(0)
+        creases = [fold.crease_points(0.9 * self.facet_m) for fold in folds]
+        between = _scattered(low, high, self.facet_m, self._rng(2))
+        points = _thinned(np.concatenate([*creases, between]), APART * self.facet_m)
+        points = points[self._inside(points)]
+        relief = RELIEF_SHARES[-1] * self._rng(3).random(len(points))
+        for share, fold in zip(RELIEF_SHARES[:-1], folds, strict=True):
+            relief += share * fold.level_at(points)
+        return points, relief
+
+    def _folds(self, purpose: int, size: float) -> _Folds:
+        """Return creases of ``size`` times the mesh's own, beyond the outline on all sides."""
+        spacing = size * self.facet_m
+        low, high = self._corners
+        rng = self._rng(purpose)
         knots = _scattered(low - 2.0 * spacing, high + 2.0 * spacing, spacing, rng)
-        level = rng.random(len(knots))
-        sheet = Delaunay(knots)
-        creases, crease_level = _along_creases(sheet, level, 0.75 * self.facet_m)
-        scattered = _scattered(low, high, self.facet_m, self._rng(1))
-        apart, _ = cKDTree(creases).query(scattered)
-        scattered = scattered[apart > 0.55 * self.facet_m]
-        points = np.concatenate([creases, scattered])
-        relief = np.concatenate([crease_level, _on_facets(sheet, level, scattered)])
+        return _Folds(Delaunay(knots), rng.random(len(knots)))
+
+    def _inside(self, points: Floats) -> AnyArray:
+        """Tell which points lie inside the outline, off its edge by half a facet."""
+        low, high = self._corners
         margin = 0.5 * self.facet_m
         inside = (np.minimum(points - low, high - points) > margin).all(axis=1)
         if self.is_round:
@@ -131,14 +153,12 @@ class Blanket:
         if self.hole is not None:
             centre = np.array(self.hole[:2])
             inside &= np.linalg.norm(points - centre, axis=1) > self.hole[2] + margin
-        return points[inside], relief[inside]
+        return np.asarray(inside)
 
     def _heights(self, points: Floats, relief: Floats) -> Floats:
-        """Return the foil's height, (n,) m, from the large facets' relief, 0 to 1."""
+        """Return the foil's height, (n,) m, from the creases' relief, 0 to 1."""
         loose = self._looseness(points)
-        fine = self._rng(2).random(len(points))
-        creased = (1.0 - FINE_SHARE) * relief + FINE_SHARE * fine
-        return np.asarray(loose * self.relief_m * creased + loose**2 * self.pillow_m)
+        return np.asarray(loose * self.relief_m * relief + loose**2 * self.pillow_m)
 
     def _looseness(self, points: Floats) -> Floats:
         """Return 0 where the foil is held down, 1 where it is free, (n,)."""
@@ -150,57 +170,75 @@ class Blanket:
         for start, end in self.seams:
             gap = _segment_distance(points, np.array(start), np.array(end))
             free_m = np.minimum(free_m, gap - 0.5 * TAPE_WIDTH_M)
-        holds = self.held_flat if self.hole is None else (*self.held_flat, self.hole)
+        holds = (*self.held_flat, *self.buttons, *([self.hole] if self.hole else []))
         for x, y, radius in holds:
             free_m = np.minimum(free_m, np.linalg.norm(points - np.array([x, y]), axis=1) - radius)
         return np.asarray(np.clip(free_m / HOLD_M, 0.0, 1.0))
 
 
+@dataclass(frozen=True, eq=False)
+class _Folds:
+    """A random triangulation and the level, 0 to 1, of each of its points: a sheet of creases."""
+
+    sheet: Delaunay
+    level: Floats
+
+    def crease_points(self, pitch_m: float) -> Floats:
+        """Return the points of the triangulation and others along its edges, (n, 2) m."""
+        sides = self.sheet.simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        start, end = np.moveaxis(self.sheet.points[np.unique(np.sort(sides), axis=0)], 1, 0)
+        count = np.maximum(np.round(np.linalg.norm(end - start, axis=1) / pitch_m).astype(int), 1)
+        edge = np.repeat(np.arange(len(count)), count - 1)
+        step = np.arange(len(edge)) - np.repeat(np.cumsum(count - 1) - (count - 1), count - 1) + 1
+        share = (step / count[edge])[:, None]
+        return np.concatenate([self.sheet.points, start[edge] + share * (end - start)[edge]])
+
+    def level_at(self, points: Floats) -> Floats:
+        """Return the level at points inside, (n,), linear on each facet.
+
+        ``Delaunay.find_simplex`` would serve, but inverts one tiny matrix per facet by LAPACK,
+        which threads of a busy machine turn from milliseconds into many seconds.
+        """
+        corners = self.sheet.points[self.sheet.simplices]
+        centres = corners.mean(axis=1)
+        reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1) * (1.0 + 1e-9)
+        near = cKDTree(points).query_ball_point(centres, reach)
+        facet = np.repeat(np.arange(len(near)), [len(found) for found in near])
+        which = np.concatenate([np.asarray(found, dtype=np.int64) for found in near])
+        a, b, c = np.moveaxis(corners[facet] - points[which][:, None], 1, 0)
+        weights = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-1)
+        weights /= weights.sum(axis=1, keepdims=True)
+        inside = (weights >= -1e-9).all(axis=1)
+        level = np.full(len(points), np.nan)
+        level[which[inside]] = (weights * self.level[self.sheet.simplices[facet]]).sum(axis=1)[
+            inside
+        ]
+        return level
+
+
 def _scattered(low: Floats, high: Floats, spacing_m: float, rng: np.random.Generator) -> Floats:
-    """Return one random point in each cell of a grid over the rectangle, (n, 2) m."""
+    """Return one random point in each cell of a grid over the rectangle, (n, 2) m, some dropped.
+
+    Anywhere in its cell: neighbours lie from a third to twice the spacing apart.
+    """
     counts = np.maximum(np.round((high - low) / spacing_m).astype(int), 1)
     grid = np.stack(np.meshgrid(*[np.arange(n) for n in counts], indexing="ij"), axis=-1)
     cells = grid.reshape(-1, 2)
-    return np.asarray(low + (cells + rng.uniform(0.1, 0.9, cells.shape)) * (high - low) / counts)
+    points = low + (cells + rng.uniform(0.0, 1.0, cells.shape)) * (high - low) / counts
+    return _thinned(points, 0.33 * spacing_m)
 
 
-def _on_facets(sheet: Delaunay, level: Floats, points: Floats) -> Floats:
-    """Return the levels of points inside the facets of a triangulation, (n,), linear on each.
-
-    ``Delaunay.find_simplex`` would serve, but inverts one tiny matrix per facet by LAPACK, which
-    threads of a busy machine turn from milliseconds into many seconds.
-    """
-    corners = sheet.points[sheet.simplices]
-    centres = corners.mean(axis=1)
-    reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
-    near = cKDTree(points).query_ball_point(centres, reach)
-    facet = np.repeat(np.arange(len(near)), [len(found) for found in near])
-    which = np.concatenate([np.asarray(found, dtype=np.int64) for found in near])
-    a, b, c = np.moveaxis(corners[facet] - points[which][:, None], 1, 0)
-    weights = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-1)
-    weights /= weights.sum(axis=1, keepdims=True)
-    inside = (weights >= 0.0).all(axis=1)
-    found_level = np.full(len(points), np.nan)
-    found_level[which[inside]] = (weights * level[sheet.simplices[facet]]).sum(axis=1)[inside]
-    return found_level
+def _thinned(points: Floats, apart_m: float) -> Floats:
+    """Drop each point that is nearer than ``apart_m`` to an earlier one."""
+    pairs = cKDTree(points).query_pairs(apart_m, output_type="ndarray")
+    keep = np.ones(len(points), dtype=bool)
+    keep[pairs.max(axis=1)] = False
+    return np.asarray(points[keep])
 
 
 def _cross(first: Floats, second: Floats) -> Floats:
     """Return the cross products of plane vectors, (n,)."""
     return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
-
-
-def _along_creases(sheet: Delaunay, level: Floats, pitch_m: float) -> tuple[Floats, Floats]:
-    """Return points along the edges of a triangulation, (n, 2) m, knots too, and their levels."""
-    knots = np.column_stack([sheet.points, level])
-    sides = np.sort(sheet.simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    pieces = [knots]
-    for a, b in knots[np.unique(sides, axis=0)]:
-        count = max(1, round(float(np.linalg.norm((b - a)[:2])) / pitch_m))
-        share = np.arange(1, count)[:, None] / count
-        pieces.append(a + share * (b - a))
-    points = np.concatenate(pieces)
-    return points[:, :2], points[:, 2]
 
 
 def _rectangle(low: Floats, high: Floats, pitch_m: float) -> Floats:

@@ -12,6 +12,8 @@ from itertools import pairwise
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from models.arrays import AnyArray, Floats
 from models.pose import RigidTransform
@@ -34,6 +36,30 @@ def joined(meshes: Iterable[trimesh.Trimesh]) -> trimesh.Trimesh:
         np.concatenate([piece.vertices for piece in pieces]),
         np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=True)]),
     )
+
+
+def creased(mesh: trimesh.Trimesh, sharp_deg: float) -> trimesh.Trimesh:
+    """Split vertices where faces turn by more than ``sharp_deg``, so that creases stay sharp.
+
+    Faces that meet at an edge and turn by less share their vertices there, and are shaded as one
+    smooth surface by interpolated normals. No vertex moves.
+    """
+    corners = np.arange(3 * len(mesh.faces)).reshape(-1, 3)
+    soft = mesh.face_adjacency_angles <= np.deg2rad(sharp_deg)
+    pairs, ends = mesh.face_adjacency[soft], mesh.face_adjacency_edges[soft]
+    links = []
+    for end in (0, 1):
+        sides = [
+            corners[pairs[:, side]][mesh.faces[pairs[:, side]] == ends[:, end, None]]
+            for side in (0, 1)
+        ]
+        links.append(np.stack(sides))
+    first, second = np.concatenate(links, axis=1)
+    graph = coo_matrix((np.ones(len(first)), (first, second)), shape=(corners.size, corners.size))
+    count, group = connected_components(graph, directed=False)
+    vertices = np.empty((count, 3))
+    vertices[group] = mesh.vertices[mesh.faces.ravel()]
+    return mesh_of(vertices, group.reshape(-1, 3))
 
 
 def placed(mesh: trimesh.Trimesh, body_from_part: RigidTransform) -> trimesh.Trimesh:

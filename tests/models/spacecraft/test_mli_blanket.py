@@ -82,3 +82,42 @@ def test_tape_lies_on_its_seam() -> None:
     assert (np.abs(tape.vertices[:, 1] - 0.2) <= 0.0151).all()
     assert (tape.vertices[:, 2] > 0.0).all()
     assert (tape.face_normals[:, 2] > 0.9).all()
+
+
+def test_facets_come_in_many_sizes() -> None:
+    """A highlight is broken at every scale: foil turns within a facet of the mesh and within ten.
+
+    Mean slopes over ever larger squares fall off, but slowly; a sheet of one facet size would lose
+    nearly all of its slope above that size, and a wavy one nothing below it.
+    """
+    facet = 0.013
+    foil = Blanket((-0.7, -0.7), (0.7, 0.7), facet, 5).foil()
+    inner = np.abs(foil.triangles_center[:, :2]).max(axis=1) < 0.6
+    centres, weights = foil.triangles_center[inner], foil.area_faces[inner]
+    slopes = -foil.face_normals[inner, :2] / foil.face_normals[inner, 2:]
+
+    def rms(square_m: float) -> float:
+        cell = np.floor((centres[:, :2] + 0.6) / square_m).astype(int)
+        key = cell[:, 0] * 10_000 + cell[:, 1]
+        _, key = np.unique(key, return_inverse=True)
+        area = np.bincount(key, weights)
+        mean = np.stack([np.bincount(key, weights * slopes[:, k]) / area for k in (0, 1)])
+        return float(np.sqrt(np.average((mean**2).sum(axis=0), weights=area)))
+
+    own, middling, large = (rms(facet * size) for size in (0.5, 2.5, 8.0))
+    assert 0.5 * own < middling < 0.95 * own
+    assert 0.1 * own < large < 0.7 * own
+
+
+def test_creases_are_split_and_bends_are_not() -> None:
+    foil = Blanket((-0.3, -0.3), (0.3, 0.3), 0.02, 5).foil()
+    places = len(np.unique(foil.vertices, axis=0))
+    assert places < len(foil.vertices) < 3 * len(foil.faces)
+
+
+def test_foil_is_flat_under_its_buttons() -> None:
+    buttons = ((0.1, 0.0, 0.02), (-0.2, 0.2, 0.02))
+    foil = Blanket((-0.5, -0.5), (0.5, 0.5), 0.02, 3, buttons=buttons).foil()
+    x, y, z = foil.vertices.T
+    for cx, cy, radius in buttons:
+        assert (z[np.hypot(x - cx, y - cy) <= radius] == 0.0).all()

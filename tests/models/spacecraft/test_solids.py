@@ -107,3 +107,21 @@ def test_standing_points_z_along_the_axis(axis: tuple[float, float, float]) -> N
 def test_standing_has_a_side_even_along_x() -> None:
     at = solids.standing((0.0, 0.0, 0.0), (-1.0, 0.0, 0.0))
     assert np.allclose(at.rotation @ at.rotation.T, np.eye(3))
+
+
+def test_creased_splits_vertices_at_sharp_turns_only() -> None:
+    # Two bends along a strip: 5 degrees stays smooth, 20 degrees becomes a crease.
+    turns = np.deg2rad([0.0, 5.0, 25.0])
+    x = np.concatenate([[0.0], np.cumsum(np.cos(turns))])
+    z = np.concatenate([[0.0], np.cumsum(np.sin(turns))])
+    vertices = np.array([[x[k], y, z[k]] for k in range(4) for y in (0.0, 1.0)])
+    quads = [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)]
+    faces = [tri for a, b, c, d in quads for tri in ((a, b, c), (a, c, d))]
+    strip = solids.mesh_of(vertices, faces)
+    split = solids.creased(strip, 12.0)
+    assert len(split.vertices) == 8 + 2  # the two ends of the sharp bend, twice
+    assert np.allclose(split.triangles, strip.triangles)
+    bend = np.isclose(split.vertices[:, 0], x[1])
+    middle = split.vertex_normals[bend]
+    assert np.allclose(np.rad2deg(np.arctan2(-middle[:, 0], middle[:, 2])), 2.5, atol=2.5)
+    assert not np.allclose(middle[:, 0], 0.0)
