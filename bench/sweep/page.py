@@ -1,0 +1,171 @@
+"""The page of a sweep: maps, table and extremes in one HTML file, nothing fetched."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import jinja2
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.report.filmstrip import jpeg
+from bench.report.numbers import number
+from bench.stretch import STRETCH
+from bench.sweep.extremes import Extreme
+from bench.sweep.run import SweepResult
+from bench.sweep.sun_map import MEANINGS
+from bench.sweep.table import VERDICTS, Row, Setting, setting_of
+from models.atomic_file import write_text
+
+TEMPLATE = "page.html.jinja"
+STYLES = Path(__file__).parent.parent / "report"
+OTHER_MAPS_PX = 1100  # width of all maps but the first, which lie at full size beside the page
+MOST_ROWS = 1000  # of the table on the page; the CSV has them all
+HEAD = (
+    "Sun, az/el deg", "verdict", "found", "in the Sun", "position, mm", "x", "y", "z",
+    "attitude, deg", "saturated, %", "reason",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class MapOnPage:
+    """One setting's map: where it lies, and its bytes."""
+
+    setting: Setting
+    path: Path
+    png: bytes
+
+
+def write_page(
+    path: Path, result: SweepResult, title: str, maps: Sequence[MapOnPage], shown: Sequence[Extreme]
+) -> Path:
+    """Write ``sweep.html``.
+
+    Parameters
+    ----------
+    path : Path
+    result : SweepResult
+    title : str
+    maps : sequence of MapOnPage
+        In the order of the settings; the first is embedded at full size.
+    shown : sequence of Extreme
+        Of the first setting.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader([Path(__file__).parent, STYLES]),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    text = environment.get_template(TEMPLATE).render(_context(result, title, maps, shown))
+    write_text(path, text)
+    return path
+
+
+def _context(
+    result: SweepResult, title: str, maps: Sequence[MapOnPage], shown: Sequence[Extreme]
+) -> dict[str, Any]:
+    scenario = result.plan.scenario
+    own = [row for row in result.rows if row.pipeline == result.map_pipeline]
+    tables = [
+        (setting.title, [_cells(row) for row in own if setting_of(row) == setting])
+        for setting in result.settings
+    ]
+    return {
+        "title": title,
+        "scenario": scenario,
+        "camera": scenario.simulated_camera,
+        "pipeline": result.map_pipeline,
+        "maps": [
+            {
+                "title": each.setting.title,
+                "file": each.path.name,
+                "source": _png(each.png) if place == 0 else _smaller(each.png),
+            }
+            for place, each in enumerate(maps)
+        ],
+        "meanings": [MEANINGS[verdict] for verdict in VERDICTS],
+        "counts": _counts(result),
+        "extremes": [
+            {
+                "title": each.title,
+                "verdict": each.verdict,
+                "lost": each.row.verdict == "no pose",
+                "source": None if each.picture is None else jpeg(_rgb(each.picture)),
+            }
+            for each in shown
+        ],
+        "head": HEAD,
+        "tables": tables if len(own) <= MOST_ROWS else tables[:1],
+        "rows_in_all": len(result.rows),
+        "stretch": STRETCH,
+        "provenance": result.provenance,
+    }
+
+
+def _counts(result: SweepResult) -> list[list[str]]:
+    """Return, for each setting and pipeline, how many directions came to what, and the errors."""
+    table = []
+    for setting in result.settings:
+        for pipeline in result.plan.pipelines:
+            rows = [
+                row
+                for row in result.rows
+                if row.pipeline == pipeline and setting_of(row) == setting
+            ]
+            errors = [row.position_error_mm for row in rows if row.position_error_mm is not None]
+            turns = [row.attitude_error_deg for row in rows if row.attitude_error_deg is not None]
+            table.append(
+                [
+                    f"{setting.title}, {pipeline}",
+                    *(str(sum(row.verdict == verdict for row in rows)) for verdict in VERDICTS),
+                    *(
+                        number(float(statistic(values)) if values else None)
+                        for values in (errors, turns)
+                        for statistic in (np.median, np.max)
+                    ),
+                ]
+            )
+    return table
+
+
+def _cells(row: Row) -> list[str]:
+    signed = (row.error_x_mm, row.error_y_mm, row.error_z_mm)
+    return [
+        row.sun,
+        row.verdict,
+        f"{row.found}/{row.expected}",
+        str(row.in_sun),
+        number(row.position_error_mm),
+        *(number(value, signed=True) for value in signed),
+        number(row.attitude_error_deg),
+        number(row.saturated_850_percent),
+        row.reason,
+    ]
+
+
+def _rgb(grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return np.repeat(grey[:, :, None], 3, axis=2)
+
+
+def _png(data: bytes) -> str:
+    return "data:image/png;base64," + base64.b64encode(data).decode()
+
+
+def _smaller(data: bytes) -> str:
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    assert image is not None, "a map that matplotlib has just encoded"
+    height_px = round(image.shape[0] * OTHER_MAPS_PX / image.shape[1])
+    small = cv2.resize(image, (OTHER_MAPS_PX, height_px), interpolation=cv2.INTER_AREA)
+    return jpeg(np.asarray(small[:, :, ::-1], dtype=np.uint8))
