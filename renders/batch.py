@@ -24,11 +24,17 @@ from rich.progress import (
 
 from models.arrays import Radiance
 from models.atomic_file import write_text
-from models.dataset import DatasetInfo
+from models.dataset import DatasetInfo, FrameEntry, image_path, read_image
 from models.errors import DatasetError, StorageError
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from renders.dataset_writer import DatasetWriter, check_folder, write_geometry_entry
+from renders.dataset_writer import (
+    DatasetWriter,
+    check_folder,
+    recorded_entries,
+    write_geometry_entry,
+)
+from renders.exposure_control import ExposureControl
 from renders.light_groups import LightGroup
 from renders.light_keys import LightKeys
 from renders.replay import compose, exposed_frames, light_record, lit_otherwise, read_groups
@@ -188,7 +194,8 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     check_folder(request.out, info)
     knowledge = world.knowledge(run=0)
     world.check_poses()
-    entries = world.frame_entries(knowledge.prior)
+    control = ExposureControl(world, knowledge.prior)
+    control.resume(recorded_entries(request.out))
     variant = choose_variant(request.variant)
     info = replace(info, provenance=provenance(world, variant))
     store = RadianceStore(request.store or default_store())
@@ -197,7 +204,9 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     from renders.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
-    writer = DatasetWriter(request.out, info, knowledge, entries, labels, world.scenario.to_toml())
+    writer = DatasetWriter(
+        request.out, info, knowledge, control.entries, labels, world.scenario.to_toml()
+    )
     poses = {e: world.approach.cam_from_target(e.time_s) for e in world.exposures}
     is_there = {e: writer.has_exposure(e.frame, e.band) for e in world.exposures}
     there = [e for e in world.exposures if is_there[e]]
@@ -218,25 +227,39 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     _activate(variant, request.threads)
     console = console or Console(stderr=True)
     console.print(
-        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {len(entries)} image pairs at "
+        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {info.frames} image pairs at "
         f"{world.camera.width} x {world.camera.height}, {variant}; "
         f"{len(there)} of {len(world.exposures)} exposures are there already",
         soft_wrap=True,
     )
     with _progress(console) as progress:
         for exposure in progress.track(left, total=len(left), description="render"):
-            _render_exposure(studio, writer, exposure, poses[exposure])
+            entry = _entry(control, writer, exposure.frame)
+            _render_exposure(studio, writer, exposure, poses[exposure], entry.exposure_ms)
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
             for exposure in progress.track(there, total=len(there), description="light"):
                 studio.light(exposure, poses[exposure])
+    _entry(control, writer, info.frames - 1)
     writer.finish()
 
 
+def _entry(control: ExposureControl, writer: DatasetWriter, frame: int) -> FrameEntry:
+    """Return a frame's row; what is metered on the way is written down before it is used."""
+    known = len(control.entries)
+    entry = control.entry(frame, lambda index: read_image(image_path(writer.folder, index, 850)))
+    if len(control.entries) > known:
+        writer.write_frames()
+    return entry
+
+
 def _render_exposure(
-    studio: Studio, writer: DatasetWriter, exposure: Exposure, cam_from_target: RigidTransform
+    studio: Studio,
+    writer: DatasetWriter,
+    exposure: Exposure,
+    cam_from_target: RigidTransform,
+    exposure_ms: float,
 ) -> None:
     groups = studio.light(exposure, cam_from_target)
-    exposure_ms = writer.entries[exposure.frame].exposure_ms
     image = compose(studio.world, groups, exposure, exposure_ms, run=0)
     geometry = studio.pixel_truth(exposure, cam_from_target)
     writer.write_pixel_truth(exposure.frame, exposure.band, geometry)

@@ -24,6 +24,7 @@ from models.dataset import (
     info_to_json,
     markers_to_toml,
     prior_to_toml,
+    read_frame_entries,
     read_info,
 )
 from models.errors import DatasetError, StorageError
@@ -73,6 +74,14 @@ def check_folder(folder: Path, info: DatasetInfo) -> None:
         )
 
 
+def recorded_entries(folder: Path) -> list[FrameEntry]:
+    """Return the rows of ``frames.csv`` in a folder; none if it is absent or damaged."""
+    try:
+        return read_frame_entries(folder)
+    except DatasetError:
+        return []
+
+
 @dataclass(frozen=True, eq=False)
 class DatasetWriter:
     """One dataset folder being filled; ``begin`` it first.
@@ -83,6 +92,7 @@ class DatasetWriter:
     info : DatasetInfo
     knowledge : FlightKnowledge
     entries : list of FrameEntry
+        Those known; the list may grow, see ``renders.exposure_control``.
     labels : tuple of str
         Names of the part labels.
     scenario_toml : str
@@ -114,12 +124,16 @@ class DatasetWriter:
             "detector.toml": detector_to_toml(self.knowledge.detector),
             "markers.toml": markers_to_toml(self.knowledge.markers),
             "prior.toml": prior_to_toml(self.knowledge),
-            "frames.csv": frames_to_csv(self.entries),
             "truth/parts.json": json.dumps(self.labels) + "\n",
             "truth/scenario.toml": self.scenario_toml,
         }
         for name, text in texts.items():
             write_text(self.folder / name, text)
+        self.write_frames()
+
+    def write_frames(self) -> None:
+        """Write the rows of ``frames.csv`` that are known."""
+        write_text(self.folder / "frames.csv", frames_to_csv(self.entries))
 
     def truth_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's truth lies until the dataset is complete."""

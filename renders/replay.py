@@ -15,6 +15,7 @@ from models.dataset import FrameEntry
 from models.errors import DatasetError, cause
 from models.frame import FlightKnowledge, Frame
 from renders.expose import electron_rate, expose_electrons, exposure_rng, mean_electrons
+from renders.exposure_control import ExposureControl
 from renders.light_groups import LightGroup
 from renders.scenario import read_scenario
 from renders.store import RadianceStore
@@ -122,10 +123,11 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
     world = World(read_scenario(folder / "truth" / "scenario.toml"))
     store, recorded = read_light_record(folder)
     knowledge = world.knowledge(run)
-    entries = world.frame_entries(knowledge.prior)
+    control = ExposureControl(world, knowledge.prior)
+    exposures = {(e.frame, e.band): e for e in world.exposures}
 
     def image(entry: FrameEntry, band: int) -> Image:
-        exposure = Exposure(entry.index, band, entry.time_s)
+        exposure = exposures[entry.index, band]
         keys = recorded.get(_named(entry.index, band), {})
         groups = read_groups(store, world, band, keys)
         if groups is None:
@@ -136,8 +138,12 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
         return compose(world, groups, exposure, entry.exposure_ms, run)
 
     def frames() -> Iterator[Frame]:
-        for entry in entries:
+        last: dict[int, Image] = {}
+        for number in range(len(world.scenario.times_s)):
+            entry = control.entry(number, last.__getitem__)
             pair = {band: image(entry, band) for band in BANDS}
+            last.clear()
+            last[number] = pair[850]
             yield Frame(entry.index, entry.time_s, pair[800], pair[850], entry.exposure_ms)
 
     return knowledge, frames()

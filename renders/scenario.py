@@ -21,7 +21,13 @@ from models.camera import Camera, camera_preset
 from models.errors import ScenarioError, cause
 from models.lights.sun import sun_direction
 from models.sensor import Detector, Optics
-from renders.scenario_camera import CameraTable, DetectorTable, ExposureTable, OpticsTable
+from renders.scenario_camera import (
+    CameraTable,
+    DetectorTable,
+    ExposureTable,
+    OpticsTable,
+    check_exposure,
+)
 from renders.scenario_errors import explain
 from renders.scenario_table import Table
 
@@ -259,6 +265,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
             f"{where}: expected motion.end_s after motion.start_s, "
             f"got {motion.start_s} to {motion.end_s} s"
         )
+    check_exposure(scenario.exposure, motion.pair_gap_ms, where)
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
     for key in ("samples", "marker_samples"):

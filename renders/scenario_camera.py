@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
+from models.errors import ScenarioError
 from renders.scenario_table import Table
 
 
@@ -44,6 +47,43 @@ class DetectorTable(Table):
 
 
 class ExposureTable(Table):
-    """Exposure time: proportional to the prior's range squared."""
+    """Exposure time; see ``renders.exposure_control`` and ``models.auto_exposure``.
 
-    marker_fill: float = Field(0.6, gt=0, le=1, description="share of full well, on axis")
+    ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
+    given, each other metered from the 850 nm image before it. ``fixed``: as given.
+    """
+
+    mode: Literal["schedule", "auto", "fixed"] = "schedule"
+    marker_fill: float = Field(0.6, gt=0, le=1, description="schedule: share of full well, on axis")
+    exposure_ms: float = Field(1.0, gt=0, description="fixed: each frame's; auto: the first's")
+    percentile: float = Field(99.9, ge=1, le=100, description="auto: of the levels, is metered")
+    percentile_fill: float = Field(0.6, gt=0, le=0.95, description="auto: share of the range")
+    max_step: float = Field(2.0, gt=1, description="auto: largest factor between frames")
+    min_ms: float = Field(0.01, gt=0, description="auto: shortest")
+    max_ms: float = Field(20.0, gt=0, description="auto: longest")
+
+
+def check_exposure(table: ExposureTable, pair_gap_ms: float, where: str) -> None:
+    """Refuse a shortest exposure above the longest, and exposures that last into the next.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the key.
+    """
+    if table.mode == "schedule":
+        return
+    longest, key = table.exposure_ms, "exposure_ms"
+    if table.mode == "auto":
+        if not table.min_ms <= table.exposure_ms <= table.max_ms:
+            raise ScenarioError(
+                f"{where}: expected exposure.exposure_ms, the first frame's, between "
+                f"exposure.min_ms and exposure.max_ms, got {table.exposure_ms:g} with "
+                f"{table.min_ms:g} to {table.max_ms:g} ms"
+            )
+        longest, key = table.max_ms, "max_ms"
+    if longest >= pair_gap_ms:
+        raise ScenarioError(
+            f"{where}: expected exposure.{key} below motion.pair_gap_ms, {pair_gap_ms:g} ms, "
+            f"when the next exposure begins, got {longest:g} ms"
+        )

@@ -23,6 +23,7 @@ EXPECTATIONS = {
     "bool_type": "to be true or false",
     "bool_parsing": "to be true or false",
     "string_type": "to be text",
+    "literal_error": "as one of {expected}",
     "tuple_type": "to be a list",
     "model_type": "to be a table",
     "too_long": "to be a list of {max_length}",

@@ -180,7 +180,7 @@ class World:
         )
 
     def exposure_ms(self, time_s: float, prior: RigidTransform) -> float:
-        """Return the exposure time at ``time_s``: as the square of the range by the prior.
+        """Return the planned exposure time at ``time_s``: as the square of the range by the prior.
 
         The flight plan's range, shifted by how far off the first prior had it, fills a marker on
         the boresight to ``exposure.marker_fill`` of the full well.
@@ -197,11 +197,19 @@ class World:
         return float(1e3 * self.scenario.exposure.marker_fill * detector.full_well_e / rate)
 
     def frame_entries(self, prior: RigidTransform) -> list[FrameEntry]:
-        """Return the rows of ``frames.csv`` for a run's prior."""
-        return [
-            FrameEntry(frame, time_s, self.exposure_ms(time_s, prior))
-            for frame, time_s in enumerate(self.scenario.times_s)
-        ]
+        """Return the rows of ``frames.csv`` for a run's prior that are known before any image.
+
+        All of them, unless each exposure is metered from the image before: then the first alone
+        (see ``renders.exposure_control``).
+        """
+        table, times_s = self.scenario.exposure, self.scenario.times_s
+        if table.mode == "schedule":
+            return [
+                FrameEntry(frame, time_s, self.exposure_ms(time_s, prior))
+                for frame, time_s in enumerate(times_s)
+            ]
+        known = times_s if table.mode == "fixed" else times_s[:1]
+        return [FrameEntry(frame, time_s, table.exposure_ms) for frame, time_s in enumerate(known)]
 
 
 def sun_group(text: str) -> SunGroup:

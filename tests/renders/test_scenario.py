@@ -63,7 +63,7 @@ def test_an_unknown_key_is_refused_and_the_nearest_suggested(
 
 def test_an_unknown_key_like_no_other_lists_those_there_are(tmp_path: Path) -> None:
     said = refusal(tmp_path, 'name = "x"\n[exposure]\nzzz = 1')
-    assert "expected one of marker_fill" in said
+    assert "expected one of mode, marker_fill," in said
     assert "perhaps" not in said
 
 
@@ -241,6 +241,23 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('mode = "manual"', "expected exposure.mode as one of 'schedule', 'auto' or 'fixed'"),
+        ('mode = "fixed"\nexposure_ms = 33.0', "expected exposure.exposure_ms below motion.pair_g"),
+        ('mode = "auto"\nmax_ms = 40.0', "expected exposure.max_ms below motion.pair_gap_ms, 33"),
+        (
+            'mode = "auto"\nmin_ms = 2.0',
+            "between exposure.min_ms and exposure.max_ms, got 1 with 2",
+        ),
+        ('mode = "auto"\npercentile = 101.0', "expected exposure.percentile of at most 100"),
+    ],
+)
+def test_exposures_that_cannot_be_are_refused(tmp_path: Path, text: str, said: str) -> None:
+    assert said in refusal(tmp_path, f'name = "x"\n[exposure]\n{text}')
+
+
 # Identity
 
 
@@ -259,9 +276,9 @@ def otherwise(value: Any) -> Any:
     if isinstance(value, int):
         return value + 1
     if isinstance(value, float):
-        return value * 1.01 + 0.001
+        return value * 0.99 + 0.001
     if isinstance(value, str):
-        return "S3" if value == "S2" else value + "_other"
+        return {"S2": "S3", "schedule": "fixed"}.get(value, value + "_other")
     if value and isinstance(value[0], float):
         return [otherwise(value[0]), *value[1:]]
     return [*value, "S1"]

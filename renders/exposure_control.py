@@ -1,0 +1,75 @@
+"""Which exposure time each frame has: planned, fixed, or metered from the frame before.
+
+Whatever sets it, a frame's exposure time is public: it stands in ``frames.csv``, and a flight
+computer knows it. What is metered follows from the 850 nm image of the frame before, so it is the
+same however often a run was cut: the image lies on the disk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from models.arrays import Image
+from models.auto_exposure import AutoExposure
+from models.dataset import FrameEntry
+from models.pose import RigidTransform
+from renders.world import World
+
+
+class ExposureControl:
+    """The rows of ``frames.csv``, all at once or as images come in.
+
+    Parameters
+    ----------
+    world : World
+    prior : RigidTransform
+        Of the run; a planned exposure rests on it.
+
+    Attributes
+    ----------
+    entries : list of FrameEntry
+        What is known so far, from the first frame on; it grows where exposures are metered.
+    """
+
+    def __init__(self, world: World, prior: RigidTransform) -> None:
+        self.world = world
+        self.entries = world.frame_entries(prior)
+        self.detector = world.scenario.simulated_detector
+        table = world.scenario.exposure
+        self.meter = AutoExposure(
+            percentile=table.percentile,
+            fill=table.percentile_fill,
+            max_step=table.max_step,
+            min_ms=table.min_ms,
+            max_ms=table.max_ms,
+        )
+
+    def resume(self, recorded: Iterable[FrameEntry]) -> None:
+        """Take what an earlier run metered; rows of other frames and all after them are left."""
+        times_s = self.world.scenario.times_s
+        for index, entry in enumerate(recorded):
+            if index < len(self.entries):
+                if entry != self.entries[index]:
+                    return
+            elif index < len(times_s) and (entry.index, entry.time_s) == (index, times_s[index]):
+                self.entries.append(entry)
+            else:
+                return
+
+    def entry(self, frame: int, image_850: Callable[[int], Image]) -> FrameEntry:
+        """Return a frame's row.
+
+        Parameters
+        ----------
+        frame : int
+        image_850 : callable
+            Gives the 850 nm image of a frame before this one; asked only for what is not metered
+            yet.
+        """
+        while len(self.entries) <= frame:
+            before = self.entries[-1]
+            image = image_850(before.index)
+            exposure_ms = self.meter.next_ms(before.exposure_ms, image, self.detector)
+            index = before.index + 1
+            self.entries.append(FrameEntry(index, self.world.scenario.times_s[index], exposure_ms))
+        return self.entries[frame]
