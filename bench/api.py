@@ -1,4 +1,4 @@
-"""The bench from Python: five functions, which the command line only wraps.
+"""The bench from Python: six functions, which the command line only wraps.
 
 >>> from pathlib import Path
 >>> from bench import api
@@ -12,9 +12,13 @@ and ``report`` load no Mitsuba.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 from models.errors import ScenarioError
+
+if TYPE_CHECKING:  # both load much; each function loads what it needs
+    from bench.sweep.outcome import SweepFiles
+    from bench.sweep.run import SweepResult
 
 MOST_RUNS = 1000  # their folders are named by three digits; see bench.runs
 
@@ -31,6 +35,25 @@ class RenderOptions(TypedDict, total=False):
     variant: Literal["auto", "llvm", "cuda", "scalar"]
     store: Path | None
     threads: int | None
+
+
+class SweepOptions(TypedDict, total=False):
+    """What can be asked of a sweep; see ``bench.sweep.plan.SweepRequest``."""
+
+    range_m: tuple[float, ...]
+    time_s: tuple[float, ...]
+    sun_step_deg: float | None
+    suns: tuple[str, ...]
+    exposure_ms: tuple[float, ...]
+    lamp_w_sr: tuple[float, ...]
+    pipeline: Literal["best", "paper", "both"]
+    width: int | None
+    spp: int | None
+    marker_samples: int | None
+    variant: Literal["auto", "llvm", "cuda", "scalar"]
+    store: Path | None
+    threads: int | None
+    memory_gb: float
 
 
 def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) -> None:
@@ -114,3 +137,33 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     scored = score(out)
     report(out)
     return scored
+
+
+def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepResult, SweepFiles]:
+    """Try poses of a case under many Suns, exposures and lamp powers.
+
+    Parameters
+    ----------
+    case : str
+        Name of a case, or path of a scenario file.
+    out : Path
+        Folder of the sweep: what is there already is kept.
+    **options
+        Poses, Suns, exposures, lamp powers, size, samples, store, threads, memory.
+
+    Returns
+    -------
+    SweepResult, SweepFiles
+        The rows with what they are of, and where table, maps and page lie.
+
+    Raises
+    ------
+    RvbenchError
+        Each says what to do; nothing already done is lost.
+    """
+    from bench.sweep.outcome import write_outcome
+    from bench.sweep.plan import SweepRequest
+    from bench.sweep.run import run_sweep
+
+    result = run_sweep(SweepRequest(case=case, out=out, **options))
+    return result, write_outcome(result)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -19,6 +19,7 @@ from renders.sweep_batches import suns_in_a_batch
 from renders.world import World
 
 DEFAULT_STEP_DEG = 15.0
+DEFAULT_WIDTH_PX = 1024  # a survey of hundreds of Suns; a case with fewer columns keeps its own
 DEFAULT_MEMORY_GB = 4.0
 RANGE_STEP_S = 1.0  # the range falls by 15 mm meanwhile, and never rises
 TIME_DIGITS = 3  # a moment is told to the millisecond: 15 um of range
@@ -121,15 +122,16 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
     ScenarioError
         The message says what is possible.
     """
-    scenario = resolve(
-        RenderRequest(
-            request.case,
-            request.out,
-            width=request.width,
-            spp=request.spp,
-            threads=request.threads,
-        )
+    asked = RenderRequest(
+        request.case,
+        request.out,
+        width=request.width,
+        spp=request.spp,
+        threads=request.threads,
     )
+    scenario = resolve(asked)
+    if request.width is None and scenario.camera.width > DEFAULT_WIDTH_PX:
+        scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
     if request.marker_samples is not None:
         if request.marker_samples < 1:
             raise ScenarioError(
