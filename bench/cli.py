@@ -14,6 +14,7 @@ from typing import Annotated, Any, Union
 import tyro
 
 from bench import verbs
+from bench.sweep.verb import Sweep
 from models.errors import RvbenchError
 
 COULD_NOT_RUN, INTERRUPTED = 2, 130
@@ -21,6 +22,7 @@ COULD_NOT_RUN, INTERRUPTED = 2, 130
 VERBS: dict[str, type[Any]] = {
     "run": verbs.Run,
     "render": verbs.Render,
+    "sweep": Sweep,
     "estimate": verbs.Estimate,
     "score": verbs.Score,
     "report": verbs.Report,
