@@ -21,7 +21,7 @@ from models.pose import RigidTransform
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.light_groups import LampGroup
 from renders.retroreflector import active_aperture
-from renders.scene import SceneGeometry, place_chaser
+from renders.scene import SceneGeometry, marker_transform, place_chaser
 from renders.windows import Window, render_windows
 
 LIFT_M = 1e-4  # a shadow ray starts this far in front of its disc
@@ -31,7 +31,17 @@ SHORT = 1.0 - 1e-4  # and ends this share of its way before the lamp
 def coverage_scene(geometry: SceneGeometry, cam_from_target: RigidTransform) -> Any:
     """Return the scene with discs that shine with unit radiance and nothing else that shines."""
     white = {"type": "area", "radiance": {"type": "rgb", "value": 1.0}}
-    glowing = {key: {**geometry.shapes[key], "emitter": white} for key in geometry.disc_keys}
+    glowing = {}
+    if geometry.discs is not None:
+        for key, point, normal in zip(
+            geometry.disc_keys,
+            geometry.discs.points_in_target,
+            geometry.discs.normals_in_target,
+            strict=True,
+        ):
+            matrix = marker_transform(point, normal, geometry.discs.radius_m)
+            to_world = mi.ScalarTransform4f(matrix)
+            glowing[key] = {"type": "disk", "to_world": to_world, "emitter": white}
     scene = mi.load_dict({"type": "scene", **geometry.shapes, **glowing}, optimize=False)
     place_chaser(scene, geometry, cam_from_target)
     return scene

@@ -98,12 +98,25 @@ def test_a_marker_is_a_disc_of_its_radius_facing_its_normal(normal: list[float])
 
     unit = np.array(normal) / np.linalg.norm(normal)
     point, radius = np.array([0.3, -1.1, 0.2]), 0.0127
-    matrix = np.array(marker_transform(point, unit, radius).matrix).reshape(4, 4)
+    matrix = marker_transform(point, unit, radius)
     np.testing.assert_allclose(matrix[:3, 3], point, atol=A_MICROMETRE)
     rotation = matrix[:3, :3] / radius
     np.testing.assert_allclose(rotation[:, 2], unit, atol=A_MICROMETRE)
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=A_MICROMETRE)
     assert np.linalg.det(rotation) == pytest.approx(1.0)  # no mirror: its front is outside
+
+
+def test_the_polygon_of_a_marker_has_its_area_centre_and_normal() -> None:
+    from renders.scene import disc_mesh
+
+    point, radius = np.array([0.3, -1.1, 0.2]), 0.0127
+    unit = np.array([0.6, 0.0, 0.8])
+    mesh = disc_mesh(point, unit, radius)
+    assert mesh.area == pytest.approx(np.pi * radius**2, rel=1e-9)
+    np.testing.assert_allclose(mesh.triangles_center.mean(axis=0), point, atol=1e-9)
+    np.testing.assert_allclose(mesh.face_normals, np.tile(unit, (len(mesh.faces), 1)), atol=1e-6)
+    off_rim = np.abs(np.linalg.norm(mesh.vertices[1:] - point, axis=1) - radius)
+    assert off_rim.max() < A_MICROMETRE
 
 
 def test_markers_may_be_installed_elsewhere_than_surveyed() -> None:
