@@ -90,6 +90,25 @@ class Detector:
         return np.sqrt(variance_e2 / self.gain_e_dn**2 + 1.0 / 12.0)
 
 
+@dataclass(frozen=True)
+class Radiation:
+    """Energetic particles that hit the chip; see ``renders.radiation_hits``.
+
+    Attributes
+    ----------
+    flux_cm2_s : float, 1/cm2/s
+        How many cross each square centimetre of the chip; 0 is none.
+    depth_um : float, um
+        Thickness of the silicon whose charge is collected.
+    charge_e_um : float, e/um
+        What a particle leaves along its way.
+    """
+
+    flux_cm2_s: float = 0.0
+    depth_um: float = 40.0
+    charge_e_um: float = 106.0
+
+
 def photon_energy_j(wavelength_nm: float) -> float:
     """Energy of one photon, J."""
     return PLANCK_J_S * LIGHT_SPEED_M_S / (wavelength_nm * 1e-9)

@@ -1,8 +1,8 @@
 """From radiance to a detector frame: the chain of a real camera, in its order, without Mitsuba.
 
 Optics (point spread, vignetting) -> photons -> quantum efficiency and pixel response -> dark
-current -> Poisson -> full well, blooming -> read noise -> gain, bias -> converter. Nothing is
-added that the detector's parameters do not name, and the same seed gives the same bits.
+current -> Poisson -> particles -> full well, blooming -> read noise -> gain, bias -> converter.
+Nothing is added that the detector's parameters do not name, and the same seed gives the same bits.
 """
 
 from __future__ import annotations
@@ -92,7 +92,12 @@ def mean_electrons(
     return (charge + detector.dark_current_e_s) * (exposure_ms * 1e-3)
 
 
-def expose_electrons(mean_e: Floats, detector: Detector, rng: np.random.Generator) -> Image:
+def expose_electrons(
+    mean_e: Floats,
+    detector: Detector,
+    rng: np.random.Generator,
+    deposited_e: Floats | None = None,
+) -> Image:
     """Draw one frame from the expected charge.
 
     Parameters
@@ -100,12 +105,16 @@ def expose_electrons(mean_e: Floats, detector: Detector, rng: np.random.Generato
     mean_e : (height, width) array, e
     detector : Detector
     rng : numpy Generator
+    deposited_e : (height, width) array, e, optional
+        Charge that particles left; see ``renders.radiation_hits``.
 
     Returns
     -------
     (height, width) uint16 array, DN.
     """
     charge = rng.poisson(mean_e).astype(np.float64)
+    if deposited_e is not None:
+        charge += deposited_e
     charge = bloom(charge, detector.full_well_e, detector.blooming)
     charge += detector.read_noise_e * rng.standard_normal(charge.shape, dtype=np.float32)
     level = np.rint(charge / detector.gain_e_dn + detector.bias_dn)

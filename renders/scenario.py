@@ -20,12 +20,13 @@ from pydantic import Field, NonNegativeFloat, ValidationError
 from models.camera import Camera, camera_preset
 from models.errors import ScenarioError, cause
 from models.lights.sun import sun_direction
-from models.sensor import Detector, Optics
+from models.sensor import Detector, Optics, Radiation
 from renders.scenario_camera import (
     CameraTable,
     DetectorTable,
     ExposureTable,
     OpticsTable,
+    RadiationTable,
     check_exposure,
 )
 from renders.scenario_errors import explain
@@ -109,6 +110,7 @@ class Scenario(Table):
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
     detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
+    radiation: RadiationTable = RadiationTable()  # type: ignore[call-arg]
     lamps: LampsTable = LampsTable()  # type: ignore[call-arg]
     sun: SunTable = SunTable()  # type: ignore[call-arg]
     retroreflector: RetroreflectorTable = RetroreflectorTable()  # type: ignore[call-arg]
@@ -154,6 +156,11 @@ class Scenario(Table):
         table["pixel_pitch_um"] /= self.pixel_scale
         return Detector(**table)
 
+    @property
+    def simulated_radiation(self) -> Radiation:
+        """The particles that hit the chip."""
+        return Radiation(**self.radiation.model_dump())
+
     def to_toml(self) -> str:
         """Write the scenario with every default resolved."""
         return tomli_w.dumps(json.loads(self.model_dump_json()))
@@ -187,6 +194,12 @@ class RenderRequest:
         rendered again even where its frame is there.
     store : Path, optional
         Folder of the radiance store.
+    store_budget_gb : float, optional
+        What the store may take of the disk; see ``renders.store_budget``.
+    keep_light : str
+        all, markers or none; see ``renders.kept_light``.
+    keep_every : int, optional
+        With ``markers``, frames from one whole frame to the next.
     threads : int, optional
     """
 
@@ -201,6 +214,9 @@ class RenderRequest:
     variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
     seeds: int = 1
     store: Path | None = None
+    store_budget_gb: float | None = None
+    keep_light: Literal["all", "markers", "none"] = "all"
+    keep_every: int | None = None
     threads: int | None = None
 
 

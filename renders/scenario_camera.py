@@ -46,6 +46,16 @@ class DetectorTable(Table):
     bits: int = Field(12, ge=8, le=16)
 
 
+class RadiationTable(Table):
+    """Energetic particles; see ``renders.radiation_hits``."""
+
+    flux_cm2_s: float = Field(
+        0.0, ge=0, description="through the chip; GEO: 5 at solar minimum, 2 at maximum"
+    )
+    depth_um: float = Field(40.0, gt=0, description="of the silicon that collects charge")
+    charge_e_um: float = Field(106.0, gt=0, description="left along a particle's way")
+
+
 class ExposureTable(Table):
     """Exposure time; see ``renders.exposure_control`` and ``models.auto_exposure``.
 
