@@ -7,10 +7,11 @@ import numpy as np
 from models.spacecraft.bus import HALF_M, RADIATOR_CENTRE_Z_M, RADIATOR_SIZE_M
 from models.spacecraft.part import Part
 from models.spacecraft.solar_wing import WING_Z_M
-from models.spacecraft.solids import box, placed, standing, tiles
+from models.spacecraft.solids import box, placed, standing, tiles, tilted
 
-TILE_M = (0.078, 0.118)
-TILE_GAP_M = 0.002
+TILE_M = (0.039, 0.039)  # mirrors of 40 mm and less are what is made
+TILE_GAP_M = 0.001
+TILE_TILT_DEG = 0.15  # one standard deviation, from uneven adhesive
 PANEL_PROUD_M = 0.025
 DRIVE_CLEAR_M = 0.20  # no tiles round the solar array drive
 
@@ -28,6 +29,7 @@ def radiator_parts(sign: float) -> tuple[Part, ...]:
     drive = np.array([0.0, WING_Z_M - RADIATOR_CENTRE_Z_M])
     grid = grid[np.linalg.norm(grid - drive, axis=1) > DRIVE_CLEAR_M]
     mirrors = tiles(np.column_stack([grid, np.full(len(grid), PANEL_PROUD_M + 0.001)]), TILE_M)
+    mirrors = tilted(mirrors, 4, TILE_TILT_DEG, 1301)
     return (
         Part(name, placed(panel, at), "white_paint"),
         Part(name, placed(mirrors, at), "optical_solar_reflector"),

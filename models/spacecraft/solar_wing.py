@@ -1,8 +1,9 @@
 """A solar wing: drive, yoke and five panels of strings of cells, along +-y.
 
-Triple-junction cells under coverglass, in strings along the wing; silver interconnects show in
-the gaps between them. Panels of a 1300 stow against the +-y faces, so one is no larger than 2.4 by
-3.6 m; five a side give a span of 29 m.
+Triple-junction cells under coverglass, two corners of each cropped, in strings along the wing.
+Three silver tabs lead from each cell under its neighbour in the string and show in the gap
+between them; bus bars close the strings at both ends. Panels of a 1300 stow against the +-y faces,
+so one is no larger than 2.4 by 3.6 m; five a side give a span of 29 m.
 """
 
 from __future__ import annotations
@@ -17,12 +18,13 @@ from models.spacecraft.part import Part
 from models.spacecraft.solids import (
     bar,
     box,
+    cropped_tiles,
     cylinder,
     joined,
-    mesh_of,
     placed,
     shifted,
     tiles,
+    tilted,
 )
 
 PANELS = 5
@@ -33,10 +35,14 @@ RIM_M = 0.018
 CELL_M = (0.080, 0.060)  # across and along
 CELL_GAP_M = 0.0025
 EDGE_M = 0.045  # from the panel's edge to the first cell
-CELL_RISE_M = 0.0012  # of the glass above the substrate
-CELL_TILT_M = 0.00012  # of a cell's corners, from uneven adhesive: about 0.1 degree
+CELL_RISE_M = 0.0022  # of the glass above the substrate
+TAB_RISE_M, COVER_RISE_M = 0.0007, 0.0011
+CELL_CROP_M = 0.009
+CELL_TILT_DEG = 0.25  # one standard deviation, from uneven adhesive and a warped face sheet
+TABS_M = (-0.027, 0.0, 0.027)  # where the interconnects of a string run, from its middle
+TAB_M = 0.006
 HOLD_DOWNS = ((-1.05, -0.62), (1.05, -0.62), (-1.05, 0.62), (1.05, 0.62), (0.0, 0.0))
-HOLD_DOWN_M = 0.055
+HOLD_DOWN_CLEAR_M = 0.025  # from a hold-down to the nearest cell
 YOKE_M = 1.70
 DRIVE_M = 0.16
 WING_Z_M = -1.95
@@ -75,9 +81,11 @@ def _on_every_panel(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
 
 
 def _substrates() -> trimesh.Trimesh:
-    """Return the panels, top at z = 0, and the hold-down fittings through them."""
+    """Return the panels, top at z = 0, and covers over the wiring where cells are left out."""
     slab = box((*PANEL_M, PANEL_THICKNESS_M), (0.0, 0.0, -0.5 * PANEL_THICKNESS_M))
-    return _on_every_panel(slab)
+    size = 2.0 * (np.array(CELL_M) + HOLD_DOWN_CLEAR_M)
+    covers = [box((*size, COVER_RISE_M), (x, y, 0.5 * COVER_RISE_M)) for x, y in HOLD_DOWNS]
+    return _on_every_panel(joined([slab, *covers]))
 
 
 def _rims() -> trimesh.Trimesh:
@@ -109,34 +117,30 @@ def _cell_centres() -> Floats:
     axes = [(np.arange(n) - 0.5 * (n - 1)) * step for n, step in zip(counts, pitch, strict=True)]
     centres = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     away = np.abs(centres[:, None, :] - np.array(HOLD_DOWNS)) - 0.5 * np.array(CELL_M)
-    free = (away.max(axis=2) > HOLD_DOWN_M - 0.03).all(axis=1)
+    free = (away.max(axis=2) > HOLD_DOWN_CLEAR_M).all(axis=1)
     return np.column_stack([centres[free], np.full(free.sum(), CELL_RISE_M)])
 
 
 def _cells() -> trimesh.Trimesh:
     """Return the cells of all panels; each lies a little uneven, as bonded cells do."""
-    panel = tiles(_cell_centres(), CELL_M)
-    panels = []
-    for number, centre in enumerate(_panel_centres()):
-        rng = np.random.default_rng([1300, number])
-        slope = rng.uniform(-1.0, 1.0, (len(panel.vertices) // 4, 2))
-        corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        rise = CELL_TILT_M * (slope[:, None, :] * corner).sum(axis=2)
-        vertices = panel.vertices + centre
-        vertices[:, 2] += rise.ravel()
-        panels.append(mesh_of(vertices, panel.faces))
-    return joined(panels)
+    panel = cropped_tiles(_cell_centres(), CELL_M, CELL_CROP_M)
+    return joined(
+        shifted(tilted(panel, 6, CELL_TILT_DEG, 1300 + number), centre)
+        for number, centre in enumerate(_panel_centres())
+    )
 
 
 def _interconnects() -> trimesh.Trimesh:
-    """Return the silver in the gaps along each string and the bus bars at the strings' ends."""
-    centres = _cell_centres()
-    columns = np.unique(centres[:, 0].round(6))
-    gaps = np.concatenate([columns - 0.5 * (CELL_M[0] + CELL_GAP_M), columns[-1:] + 0.0425])
+    """Return the tabs, strips that the cells hide but for the gaps, and the bus bars.
+
+    Seen from the front, a strip under a whole string is what its separate tabs are.
+    """
+    columns = np.unique(_cell_centres()[:, 0].round(6))
+    tabs = (columns[:, None] + np.array(TABS_M)).ravel()
     length = PANEL_M[1] - 2.0 * EDGE_M
-    height = 0.5 * CELL_RISE_M
+    height = TAB_RISE_M
     strips = tiles(
-        np.column_stack([gaps, np.zeros_like(gaps), np.full_like(gaps, height)]), (0.0022, length)
+        np.column_stack([tabs, np.zeros_like(tabs), np.full_like(tabs, height)]), (TAB_M, length)
     )
     width = PANEL_M[0] - 2.0 * EDGE_M
     y = 0.5 * length + 0.009

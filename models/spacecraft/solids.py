@@ -275,3 +275,39 @@ def tiles(centres: ArrayLike, size: Sequence[float]) -> trimesh.Trimesh:
     first = 4 * np.arange(len(middle))[:, None]
     faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
     return mesh_of(corners.reshape(-1, 3), faces)
+
+
+def cropped_tiles(centres: ArrayLike, size: Sequence[float], crop_m: float) -> trimesh.Trimesh:
+    """Return ``tiles`` whose two corners at +y are cut off by ``crop_m``, as solar cells' are.
+
+    Each is a convex hexagon of 6 vertices, in order from (-x, -y) counter-clockwise.
+    """
+    middle = np.asarray(centres, dtype=np.float64)
+    x, y = 0.5 * np.asarray(size, dtype=np.float64)
+    outline = np.array(
+        [[-x, -y], [x, -y], [x, y - crop_m], [x - crop_m, y], [crop_m - x, y], [-x, y - crop_m]]
+    )
+    corners = middle[:, None, :] + np.column_stack([outline, np.zeros(6)])
+    first = 6 * np.arange(len(middle))[:, None]
+    fan = [[0, 1, 2], [0, 2, 5], [2, 3, 4], [2, 4, 5]]
+    return mesh_of(corners.reshape(-1, 3), np.concatenate([first + np.array(f) for f in fan]))
+
+
+def tilted(tops: trimesh.Trimesh, per_tile: int, tilt_deg: float, seed: int) -> trimesh.Trimesh:
+    """Tilt each of some tiles facing +z about its own middle, as bonded pieces lie unevenly.
+
+    Parameters
+    ----------
+    tops : trimesh.Trimesh
+        Tiles of ``per_tile`` consecutive vertices each.
+    per_tile : int
+    tilt_deg : float
+        Standard deviation of the tilt about x and about y.
+    seed : int
+    """
+    corners = np.array(tops.vertices).reshape(-1, per_tile, 3)
+    rng = np.random.default_rng(seed)
+    slope = np.tan(np.deg2rad(tilt_deg)) * rng.standard_normal((len(corners), 1, 2)).clip(-2.5, 2.5)
+    across = corners[..., :2] - corners[..., :2].mean(axis=1, keepdims=True)
+    corners[..., 2] += (slope * across).sum(axis=-1)
+    return mesh_of(corners.reshape(-1, 3), tops.faces)
