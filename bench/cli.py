@@ -14,6 +14,7 @@ from typing import Annotated, Any, Union
 import tyro
 
 from bench import verbs
+from bench.store_verb import Store
 from bench.sweep.verb import Sweep
 from models.errors import RvbenchError
 
@@ -27,6 +28,7 @@ VERBS: dict[str, type[Any]] = {
     "score": verbs.Score,
     "report": verbs.Report,
     "show": verbs.Show,
+    "store": Store,
     "list": verbs.List,
     "doctor": verbs.Doctor,
 }

@@ -8,10 +8,12 @@ is done.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -22,27 +24,36 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from models.arrays import Radiance
+from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_text
 from models.dataset import DatasetInfo, FrameEntry, image_path, read_image
 from models.errors import DatasetError, StorageError
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from renders.dataset_writer import (
-    DatasetWriter,
-    check_folder,
-    recorded_entries,
-    write_geometry_entry,
-)
+from renders.compose import compose
+from renders.dataset_writer import DatasetWriter, check_folder, recorded_entries
 from renders.exposure_control import ExposureControl
+from renders.kept_light import ALL_LIGHT, LightKeeping, checked_budget, keeping
+from renders.kept_windows import windows_by_marker, write_windows
 from renders.light_groups import LightGroup
 from renders.light_keys import LightKeys
-from renders.replay import compose, exposed_frames, light_record, lit_otherwise, read_groups
+from renders.replay import (
+    exposed_frames,
+    light_record,
+    lit_by,
+    lit_otherwise,
+    needed_keys,
+    read_groups,
+)
 from renders.scenario import RenderRequest, resolve
-from renders.store import RadianceStore, default_store, read_exr
+from renders.store import RadianceStore, as_half, default_store
+from renders.store_claims import Claim
 from renders.truth import ExposureTruth
 from renders.variant import activate, choose_variant
 from renders.world import Exposure, World
+
+if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
+    from renders.labels import PixelTruth
 
 __all__ = ["exposed_frames", "render_case"]
 
@@ -58,6 +69,7 @@ class Studio:
     scene: Any = None
     geometry: Any = None
     placed_cam_from_target: RigidTransform | None = None
+    kept: LightKeeping = ALL_LIGHT
 
     def build(self, cam_from_target: RigidTransform) -> None:
         """Load the scene once, and put the chaser in its place unless it stands there."""
@@ -78,22 +90,45 @@ class Studio:
     def light(
         self, exposure: Exposure, cam_from_target: RigidTransform
     ) -> dict[LightGroup, Radiance]:
-        """Return the groups of an exposure, from the store or traced now."""
+        """Return what lights an exposure's frame, from the store or traced now."""
         keys = self.group_keys(exposure, cam_from_target)
         there = read_groups(self.store, self.world, exposure.band, keys)
         if there is not None:
             return there
-        images = self.trace(exposure, cam_from_target, self.world.groups(exposure.band))
-        for name, image in images.items():
-            self.store.write(keys[name], image)
-        # Read back: a frame made at once and one made from the store are the same to the bit.
-        stored = read_groups(self.store, self.world, exposure.band, keys)
-        if stored is None:
+        images = self._traced_and_kept(exposure, cam_from_target, keys)
+        return {group: images[group.name] for group in lit_by(self.world, exposure.band)}
+
+    def every_group(
+        self, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> dict[str, Radiance]:
+        """Return all groups of an exposure by name, from the store or traced now."""
+        keys = self.group_keys(exposure, cam_from_target)
+        there = {name: self.store.read(key) for name, key in keys.items()}
+        images = {name: image for name, image in there.items() if image is not None}
+        if len(images) == len(keys):
+            return images
+        return self._traced_and_kept(exposure, cam_from_target, keys)
+
+    def _traced_and_kept(
+        self, exposure: Exposure, cam_from_target: RigidTransform, keys: dict[str, str]
+    ) -> dict[str, Radiance]:
+        """Trace all groups; rounded as in the store, so that frames are the same to the bit."""
+        traced = self.trace(exposure, cam_from_target, self.world.groups(exposure.band))
+        halves = {name: as_half(image) for name, image in traced.items()}
+        if self.kept.keeps_whole(exposure.frame):
+            self.store.write_all({keys[name]: half for name, half in halves.items()})
+            for group in lit_by(self.world, exposure.band):
+                self._check_kept(keys[group.name], halves[group.name])
+        return {name: half.astype(np.float32) for name, half in halves.items()}
+
+    def _check_kept(self, key: str, half: AnyArray) -> None:
+        """Refuse a store that gives back something else; another process may have pruned it."""
+        back = self.store.read(key)
+        if self.store.has(key) if back is None else not np.array_equal(back, half):
             raise StorageError(
                 f"expected to read back what was just written to the store {self.store.folder}, "
-                "got nothing or something else; choose another --store on a disk that keeps it"
+                "got something else; choose another --store on a disk that keeps it"
             )
-        return stored
 
     def trace(
         self,
@@ -140,7 +175,7 @@ class Studio:
             band=exposure.band,
             time_s=exposure.time_s,
             cam_from_target=cam_from_target,
-            sun_dir_in_target=_array(sun.direction_in_target),
+            sun_dir_in_target=np.array(sun.direction_in_target),
             markers_px=camera.project(cam_from_target @ self.markers.points_in_target),
             marker_outlines_px=outline_centres_px(self.markers, camera, cam_from_target),
             visible=light.visible,
@@ -148,22 +183,17 @@ class Studio:
             sun_lit=light.sun_lit[sun.name],
         )
 
-    def pixel_truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> Any:
-        """Return the store entry with labels, depth and normals, traced now if it is not whole."""
-        path = self.store.path(self.keys.geometry(exposure, cam_from_target))
-        if read_exr(path) is None:
-            from renders.labels import pixel_truth
+    def pixel_truth(self, cam_from_target: RigidTransform) -> PixelTruth:
+        """Trace labels, depth and normals."""
+        from renders.labels import pixel_truth
 
-            self.build(cam_from_target)
-            traced = pixel_truth(self.scene, self.geometry, self.world.camera, cam_from_target)
-            write_geometry_entry(path, traced)
-        return path
+        self.build(cam_from_target)
+        return pixel_truth(self.scene, self.geometry, self.world.camera, cam_from_target)
 
-
-def _array(direction: tuple[float, float, float]) -> Any:
-    import numpy as np
-
-    return np.array(direction)
+    def shaping_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> frozenset[str]:
+        """Return the store keys of all that an exposure can be made of."""
+        groups = self.group_keys(exposure, cam_from_target).values()
+        return frozenset(groups) | {self.keys.geometry(exposure, cam_from_target)}
 
 
 def provenance(world: World, variant: str) -> dict[str, str]:
@@ -192,15 +222,16 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         provenance={"scenario": world.scenario.fingerprint()},
     )
     check_folder(request.out, info)
+    kept, limit_bytes = keeping(request), checked_budget(request, world)
     knowledge = world.knowledge(run=0)
     world.check_poses()
     control = ExposureControl(world, knowledge.prior)
     control.resume(recorded_entries(request.out))
     variant = choose_variant(request.variant)
     info = replace(info, provenance=provenance(world, variant))
-    store = RadianceStore(request.store or default_store())
+    store = RadianceStore(request.store or default_store(), limit_bytes, request.threads)
     keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
-    studio = Studio(world, store, keys, knowledge.markers)
+    studio = Studio(world, store, keys, knowledge.markers, kept=kept)
     from renders.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
@@ -208,7 +239,8 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         request.out, info, knowledge, control.entries, labels, world.scenario.to_toml()
     )
     poses = {e: world.approach.cam_from_target(e.time_s) for e in world.exposures}
-    is_there = {e: writer.has_exposure(e.frame, e.band) for e in world.exposures}
+    windows = kept.keeps_windows
+    is_there = {e: writer.has_exposure(e.frame, e.band, windows) for e in world.exposures}
     there = [e for e in world.exposures if is_there[e]]
     left = [e for e in world.exposures if not is_there[e]]
     light = {(e.frame, e.band): studio.group_keys(e, poses[e]) for e in world.exposures}
@@ -221,8 +253,9 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         )
     if not foreign:
         writer.begin()
-        write_text(request.out / "truth" / "light.json", light_record(store, light))
-    if left or request.seeds > 1:
+        write_text(request.out / "truth" / "light.json", light_record(store, light, kept))
+    uses_store = kept.uses_store and bool(left or request.seeds > 1)
+    if uses_store:
         store.open_for_writing()
     _activate(variant, request.threads)
     console = console or Console(stderr=True)
@@ -232,12 +265,20 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         f"{len(there)} of {len(world.exposures)} exposures are there already",
         soft_wrap=True,
     )
-    with _progress(console) as progress:
+    shaping = {e: studio.shaping_keys(e, poses[e]) for e in world.exposures}
+    needed = needed_keys(world, light) if request.seeds > 1 else frozenset[str]()
+    every = frozenset[str]().union(*shaping.values())
+    claim = Claim(info.case, info.sun, request.out, needed, every - needed)
+    to_come = frozenset[str]().union(*(shaping[e] for e in left))
+    claimed = store.claimed(claim, to_come) if uses_store else nullcontext()
+    with _progress(console) as progress, claimed:
         for exposure in progress.track(left, total=len(left), description="render"):
+            store.room.take_in_hand(shaping[exposure])
             entry = _entry(control, writer, exposure.frame)
             _render_exposure(studio, writer, exposure, poses[exposure], entry.exposure_ms)
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
             for exposure in progress.track(there, total=len(there), description="light"):
+                store.room.take_in_hand(shaping[exposure])
                 studio.light(exposure, poses[exposure])
     _entry(control, writer, info.frames - 1)
     writer.finish()
@@ -259,11 +300,28 @@ def _render_exposure(
     cam_from_target: RigidTransform,
     exposure_ms: float,
 ) -> None:
-    groups = studio.light(exposure, cam_from_target)
+    if studio.kept.keeps_windows:
+        by_name = studio.every_group(exposure, cam_from_target)
+        windows = windows_by_marker(studio.markers, studio.world.camera, cam_from_target)
+        write_windows(writer.windows_path(exposure.frame, exposure.band), windows, by_name)
+        groups = {group: by_name[group.name] for group in lit_by(studio.world, exposure.band)}
+    else:
+        groups = studio.light(exposure, cam_from_target)
     image = compose(studio.world, groups, exposure, exposure_ms, run=0)
-    geometry = studio.pixel_truth(exposure, cam_from_target)
-    writer.write_pixel_truth(exposure.frame, exposure.band, geometry)
+    _put_pixel_truth(studio, writer, exposure, cam_from_target)
     writer.write_exposure(image, studio.truth(exposure, cam_from_target))
+
+
+def _put_pixel_truth(
+    studio: Studio, writer: DatasetWriter, exposure: Exposure, cam_from_target: RigidTransform
+) -> None:
+    """Take it from the store, or trace it; the dataset's file is the store's entry, too."""
+    place, key = (exposure.frame, exposure.band), studio.keys.geometry(exposure, cam_from_target)
+    if writer.take_pixel_truth(*place, studio.store, key):
+        return
+    writer.write_pixel_truth(*place, studio.pixel_truth(cam_from_target), key)
+    if studio.kept.keeps_whole(exposure.frame):
+        studio.store.take(key, writer.geometry_path(*place))
 
 
 def _activate(variant: str, threads: int | None) -> None:

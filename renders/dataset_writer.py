@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,8 +11,8 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from models.arrays import Image
-from models.atomic_file import sweep_scratch, whole_or_absent, write_bytes, write_text
+from models.arrays import AnyArray, Image
+from models.atomic_file import sweep_scratch, write_bytes, write_text
 from models.dataset import (
     DatasetInfo,
     FrameEntry,
@@ -27,9 +26,10 @@ from models.dataset import (
     read_frame_entries,
     read_info,
 )
-from models.errors import DatasetError, StorageError
+from models.errors import DatasetError
 from models.frame import FlightKnowledge
-from renders.store import read_exr, write_exr
+from renders.sealed_exr import read_exr, write_exr
+from renders.store import KEY, RadianceStore
 from renders.truth import ExposureTruth
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
@@ -147,9 +147,20 @@ class DatasetWriter:
         """Return where one exposure's depth and normals lie."""
         return self.folder / "truth" / "geometry" / f"{frame:06d}_{band}.exr"
 
-    def has_exposure(self, frame: int, band: int) -> bool:
-        """Tell whether everything of an exposure is there; its image is written last."""
-        return (
+    def windows_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's marker windows lie, if they are kept."""
+        return self.folder / "truth" / "marker_windows" / f"{frame:06d}_{band}.exr"
+
+    def has_exposure(self, frame: int, band: int, windows: bool = False) -> bool:
+        """Tell whether everything of an exposure is there; its image is written last.
+
+        Parameters
+        ----------
+        frame, band : int
+        windows : bool
+            Its marker windows, too.
+        """
+        return (not windows or self.windows_path(frame, band).is_file()) and (
             is_whole_png(image_path(self.folder, frame, band))
             and is_whole_png(self.labels_path(frame, band))
             and _ends_with(self.truth_path(frame, band), RECORD_END)
@@ -162,19 +173,42 @@ class DatasetWriter:
         write_text(self.truth_path(truth.frame, truth.band), text)
         write_bytes(image_path(self.folder, truth.frame, truth.band), encode_image(image))
 
-    def write_pixel_truth(self, frame: int, band: int, geometry_entry: Path) -> None:
-        """Take labels, depth and normals of an exposure from their store entry."""
-        channels = read_exr(geometry_entry)
+    def write_pixel_truth(self, frame: int, band: int, truth: PixelTruth, key: str) -> None:
+        """Write labels, depth (float) and normals (half) of an exposure, as the store has them."""
+        normals = truth.normals_in_target.astype(np.float16)
+        channels: dict[str, AnyArray] = {
+            "Z": truth.depth_m,
+            "NX": np.ascontiguousarray(normals[..., 0]),
+            "NY": np.ascontiguousarray(normals[..., 1]),
+            "NZ": np.ascontiguousarray(normals[..., 2]),
+            "label": truth.labels.astype(np.float16),
+        }
+        write_exr(self.geometry_path(frame, band), channels, {KEY: key})
+        self._write_labels(frame, band, channels["label"])
+
+    def take_pixel_truth(self, frame: int, band: int, store: RadianceStore, key: str) -> bool:
+        """Take labels, depth and normals of an exposure from a store.
+
+        Returns
+        -------
+        bool
+            False if the store has them not, or not whole; nothing is kept then.
+        """
+        place = self.geometry_path(frame, band)
+        if not store.lend(key, place):
+            return False
+        channels = read_exr(place, {KEY: key})
         if channels is None:
-            raise StorageError(
-                f"expected a whole geometry entry at {geometry_entry}, found none; "
-                "run the same command again"
-            )
-        ok, data = cv2.imencode(".png", np.rint(channels["label"]).astype(np.uint8))
+            place.unlink()
+            return False
+        self._write_labels(frame, band, channels["label"])
+        return True
+
+    def _write_labels(self, frame: int, band: int, labels: AnyArray) -> None:
+        ok, data = cv2.imencode(".png", np.rint(labels).astype(np.uint8))
         if not ok:
             raise DatasetError("expected OpenCV to encode the labels, it refused")
         write_bytes(self.labels_path(frame, band), bytes(data.tobytes()))
-        link_or_copy(geometry_entry, self.geometry_path(frame, band))
 
     def finish(self) -> None:
         """Join the exposures' truth into one file, in order of time."""
@@ -192,28 +226,3 @@ def _told(info: DatasetInfo) -> str:
 
 def _in_what(there: DatasetInfo, info: DatasetInfo) -> str:
     return ", with other settings" if _told(there) == _told(info) else ""
-
-
-def write_geometry_entry(path: Path, truth: PixelTruth) -> None:
-    """Write labels, depth (float) and normals (half) of an exposure as one store entry."""
-    normals = truth.normals_in_target.astype(np.float16)
-    write_exr(
-        path,
-        {
-            "Z": truth.depth_m,
-            "NX": np.ascontiguousarray(normals[..., 0]),
-            "NY": np.ascontiguousarray(normals[..., 1]),
-            "NZ": np.ascontiguousarray(normals[..., 2]),
-            "label": truth.labels.astype(np.float16),
-        },
-    )
-
-
-def link_or_copy(source: Path, place: Path) -> None:
-    """Put ``source`` at ``place`` without spending disk where the two share one."""
-    with whole_or_absent(place) as scratch:
-        scratch.unlink(missing_ok=True)
-        try:
-            os.link(source, scratch)
-        except OSError:
-            shutil.copyfile(source, scratch)

@@ -8,38 +8,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from models.arrays import Image, Radiance
 from models.dataset import FrameEntry
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, StorageError, cause
 from models.frame import FlightKnowledge, Frame
-from renders.expose import electron_rate, expose_electrons, exposure_rng, mean_electrons
+from renders.compose import compose
 from renders.exposure_control import ExposureControl
+from renders.kept_light import ALL_LIGHT, LightKeeping
 from renders.light_groups import LightGroup
 from renders.scenario import read_scenario
 from renders.store import RadianceStore
-from renders.world import BANDS, Exposure, World
+from renders.store_claims import Claim, held, read_claim
+from renders.world import BANDS, World
 
 
 def lit_by(world: World, band: int) -> list[LightGroup]:
     """Return the groups that light one exposure: the Sun, and the lamps of its band."""
     return [world.sun, world.lamps(band)]
-
-
-def compose(
-    world: World,
-    groups: Mapping[LightGroup, Radiance],
-    exposure: Exposure,
-    exposure_ms: float,
-    run: int,
-) -> Image:
-    """Expose one frame from its light groups; see ``renders.expose``."""
-    optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
-    rate = electron_rate(groups, optics, detector)
-    mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector)
-    rng = exposure_rng(run, exposure.frame, exposure.band)
-    return expose_electrons(mean_e, detector, rng)
 
 
 def read_groups(
@@ -55,10 +43,16 @@ def read_groups(
     return groups
 
 
-def light_record(store: RadianceStore, keys: Mapping[tuple[int, int], Mapping[str, str]]) -> str:
+def light_record(
+    store: RadianceStore,
+    keys: Mapping[tuple[int, int], Mapping[str, str]],
+    kept: LightKeeping = ALL_LIGHT,
+) -> str:
     """Return the text of ``truth/light.json``."""
     exposures = {_named(frame, band): dict(names) for (frame, band), names in keys.items()}
     table = {"store": str(store.folder.resolve()), "exposures": exposures}
+    if kept != ALL_LIGHT:
+        table["kept"] = str(kept)
     return json.dumps(table, indent=1) + "\n"
 
 
@@ -105,6 +99,55 @@ def _named(frame: int, band: int) -> str:
     return f"{frame:06d}_{band}"
 
 
+def _how_to_bring_back(folder: Path) -> str:
+    kept = json.loads((folder / "truth" / "light.json").read_text()).get("kept")
+    if kept is None:
+        return "run the same command again to bring it back"
+    return (
+        f"the dataset was rendered with {kept}: render it with --keep-light all and --seeds, "
+        "which brings back the light and no frame"
+    )
+
+
+@contextmanager
+def light_held(folder: Path) -> Iterator[None]:
+    """Have nobody evict the light of a rendered dataset's frames for as long as this lasts.
+
+    A store that cannot be written is read without a claim: nothing is evicted from it either.
+
+    Raises
+    ------
+    DatasetError
+        If the dataset was not rendered here.
+    """
+    world = World(read_scenario(folder / "truth" / "scenario.toml"))
+    store, recorded = read_light_record(folder)
+    needed = needed_keys(
+        world,
+        {(e.frame, e.band): recorded.get(_named(e.frame, e.band), {}) for e in world.exposures},
+    )
+    name, sun = world.scenario.name, world.scenario.sun.default
+    claim = Claim(name, sun, folder, needed)
+    before = read_claim(claim.path(store.folder))
+    if before is not None:
+        claim = Claim(name, sun, folder, needed, before.keys - needed)
+    with ExitStack() as stack:
+        if store.folder.is_dir():
+            with suppress(StorageError):
+                stack.enter_context(held(store.folder, claim))
+        yield
+
+
+def needed_keys(world: World, keys: Mapping[tuple[int, int], Mapping[str, str]]) -> frozenset[str]:
+    """Return the keys of what lights the frames themselves, out of those of each exposure."""
+    return frozenset(
+        names[group.name]
+        for (_, band), names in keys.items()
+        for group in lit_by(world, band)
+        if group.name in names
+    )
+
+
 def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Frame]]:
     """Expose all frames of a rendered dataset again, as run number ``run`` sees them.
 
@@ -133,7 +176,7 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
         if groups is None:
             raise DatasetError(
                 f"expected the light of frame {entry.index} at {band} nm in {store.folder}, "
-                "found it absent or damaged; run the same command again to bring it back"
+                f"found it absent or damaged; {_how_to_bring_back(folder)}"
             )
         return compose(world, groups, exposure, entry.exposure_ms, run)
 

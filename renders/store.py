@@ -1,33 +1,36 @@
 """The radiance store: rendered light, keyed by the hash of all that shaped it.
 
-One entry is one file, half-float, compressed, named by its key; it is written beside and renamed,
-so a killed run leaves whole entries or none. An entry carries the hash of its own pixels, and one
-that does not match is treated as absent and rendered again.
+One entry is one EXR file, half-float, compressed and sealed, named by its key; it is written
+beside and renamed, so a killed run leaves whole entries or none. One that is not as it was written
+is treated as absent and rendered again.
 """
 
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
-import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenEXR
 
 from models.arrays import AnyArray, Radiance
-from models.atomic_file import sweep_scratch, whole_or_absent, write_text
+from models.atomic_file import link_or_copy, sweep_scratch, write_text
+from models.errors import StorageError
 from renders.probe_cache import cache_folder
+from renders.sealed_exr import read_exr, write_exr
+from renders.store_budget import Room, budget_bytes, mark_used
+from renders.store_claims import Claim, held
 
-STORE_VERSION = 1
+STORE_VERSION = 2
+KEY = "rvbench_key"  # in the header: an entry under another's name is none
 CACHE_SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55"
-STDERR = 2  # the file descriptor
 HALF_MAX = 65504.0  # a glint brighter than this saturates any detector a thousandfold
+MOST_WRITERS = 8
 
 
 def default_store() -> Path:
@@ -43,61 +46,9 @@ def entry_key(shaping: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def write_exr(path: Path, channels: Mapping[str, AnyArray]) -> None:
-    """Write an EXR file atomically, its pixels' hash in the header.
-
-    Raises
-    ------
-    StorageError
-        If the disk is full or read-only.
-    """
-    header = {
-        "compression": OpenEXR.ZIP_COMPRESSION,
-        "type": OpenEXR.scanlineimage,
-        "rvbench_sha256": _pixels_hash(channels),
-    }
-    with whole_or_absent(path) as scratch:
-        try:
-            with OpenEXR.File(header, dict(channels)) as file:
-                file.write(str(scratch))
-        except RuntimeError as error:  # OpenEXR's word for a full disk
-            raise OSError(str(error).rstrip(".").rpartition('". ')[2]) from error
-
-
-def read_exr(path: Path) -> dict[str, AnyArray] | None:
-    """Read an EXR file back, or None if it is absent, truncated or not what was written."""
-    if not path.is_file():
-        return None
-    try:
-        with _openexr_silenced(), OpenEXR.File(str(path), separate_channels=True) as file:
-            recorded = file.header().get("rvbench_sha256")
-            channels = {name: np.array(c.pixels) for name, c in file.channels().items()}
-    except (OSError, RuntimeError, ValueError):
-        return None
-    return channels if recorded == _pixels_hash(channels) else None
-
-
-@contextmanager
-def _openexr_silenced() -> Iterator[None]:
-    """Turn stderr and stdout off: OpenEXR writes pages there about a file that is damaged."""
-    sys.stderr.flush()
-    before, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, STDERR)
-        with redirect_stdout(io.StringIO()):
-            yield
-    finally:
-        os.dup2(before, STDERR)
-        os.close(before)
-        os.close(nowhere)
-
-
-def _pixels_hash(channels: Mapping[str, AnyArray]) -> str:
-    digest = hashlib.sha256()
-    for name in sorted(channels):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(channels[name]).data)
-    return digest.hexdigest()
+def as_half(radiance: Radiance) -> AnyArray:
+    """Return radiance in the half floats in which all light is kept."""
+    return np.minimum(radiance, HALF_MAX).astype(np.float16)
 
 
 class RadianceStore:
@@ -107,10 +58,18 @@ class RadianceStore:
     ----------
     folder : Path
         Made when first written to.
+    limit_bytes : float, optional
+        Its disk budget; see ``renders.store_budget.budget_bytes``, whose default it is.
+    writers : int, optional
+        Entries written side by side; as many as there are cores unless given.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(
+        self, folder: Path, limit_bytes: float | None = None, writers: int | None = None
+    ) -> None:
         self.folder = folder
+        self.room = Room(folder, budget_bytes(None) if limit_bytes is None else limit_bytes)
+        self.writers = min(writers or len(os.sched_getaffinity(0)), MOST_WRITERS)
 
     def open_for_writing(self) -> None:
         """Make the folder, and delete what killed processes left half written in it.
@@ -125,22 +84,111 @@ class RadianceStore:
             write_text(tag, f"{CACHE_SIGNATURE}\n# What is in here can be rendered again.\n")
         sweep_scratch(self.folder)
 
+    @contextmanager
+    def claimed(self, claim: Claim, to_come: frozenset[str] | None = None) -> Iterator[None]:
+        """Keep what a run needs from being evicted while it lives, by us and by others.
+
+        Parameters
+        ----------
+        claim : Claim
+        to_come : frozenset of str, optional
+            Those of its keys that it will use; all unless given.
+
+        Raises
+        ------
+        StorageError
+            If the store cannot be written.
+        """
+        wanted = claim.keys if to_come is None else to_come
+        for key in wanted | claim.needed:
+            mark_used(self.path(key))
+        with held(self.folder, claim) as path:
+            self.room.claim = path
+            self.room.needed, self.room.wanted = claim.needed, wanted
+            try:
+                yield
+            finally:
+                self.room.needed = self.room.wanted = self.room.in_hand = frozenset()
+                self.room.claim = None
+
     def path(self, key: str) -> Path:
         """Return where the entry of ``key`` lies, whether it is there or not."""
         return self.folder / key[:2] / f"{key}.exr"
 
     def has(self, key: str) -> bool:
-        """Tell whether an entry is there; ``read`` tells whether it is whole."""
+        """Tell whether an entry is there; ``read`` tells whether it is whole, and still there."""
         return self.path(key).is_file()
 
     def read(self, key: str) -> Radiance | None:
         """Return an entry as (height, width) float32, W m-2 sr-1, or None if absent or damaged."""
-        channels = read_exr(self.path(key))
+        channels = self.read_channels(key)
         if channels is None or set(channels) != {"Y"}:
             return None
         return np.asarray(channels["Y"], dtype=np.float32)
 
+    def read_channels(self, key: str) -> dict[str, AnyArray] | None:
+        """Return an entry's channels as they are, or None if it is absent or damaged."""
+        channels = read_exr(self.path(key), {KEY: key})
+        if channels is not None:
+            mark_used(self.path(key))
+        return channels
+
     def write(self, key: str, radiance: Radiance) -> None:
-        """Write an entry, rounded to half floats."""
-        half = np.minimum(radiance, HALF_MAX).astype(np.float16)
-        write_exr(self.path(key), {"Y": half})
+        """Write an entry, rounded to half floats; see ``write_all``."""
+        self.write_all({key: radiance})
+
+    def write_all(self, images: Mapping[str, Radiance]) -> None:
+        """Write entries by key, rounded to half floats, and keep the store within its budget.
+
+        Raises
+        ------
+        StorageError
+            If the disk is full or read-only, or the budget cannot hold what this run needs.
+        """
+        with ThreadPoolExecutor(min(self.writers, max(1, len(images)))) as writers:
+            list(writers.map(self._write, images.keys(), images.values()))
+        self.room.wrote(sum(_size(self.path(key)) for key in images))
+
+    def _write(self, key: str, radiance: Radiance) -> None:
+        write_exr(self.path(key), {"Y": as_half(radiance)}, {KEY: key})
+
+    def lend(self, key: str, place: Path) -> bool:
+        """Put an entry at ``place`` too, as a link where the two share a disk.
+
+        Returns
+        -------
+        bool
+            False if the entry is not there, or goes away meanwhile.
+
+        Raises
+        ------
+        StorageError
+            If the disk is full or read-only.
+        """
+        if not self.has(key):
+            return False
+        try:
+            link_or_copy(self.path(key), place)
+        except StorageError:
+            if self.has(key):
+                raise
+            return False
+        return True
+
+    def take(self, key: str, source: Path) -> None:
+        """Take in an entry that lies elsewhere under seal, as a link where the two share a disk.
+
+        Raises
+        ------
+        StorageError
+            If the disk is full or read-only.
+        """
+        link_or_copy(source, self.path(key))
+        self.room.wrote(_size(self.path(key)))
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:  # evicted already
+        return 0

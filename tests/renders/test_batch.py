@@ -12,7 +12,7 @@ import pytest
 
 from models.dataset import image_path, read_frames, read_info, read_knowledge
 from models.errors import DatasetError, ScenarioError
-from renders.store import read_exr
+from renders.sealed_exr import read_exr
 from renders.truth import read_exposures, read_part_names
 from tests.renders.conftest import TinyDataset
 

@@ -11,23 +11,21 @@ import numpy as np
 import pytest
 
 from models.arrays import Image
+from models.atomic_file import link_or_copy
 from models.dataset import DatasetInfo, FrameEntry, encode_image, image_path, read_image
 from models.errors import DatasetError, StorageError
 from models.pose import RigidTransform
-from renders.dataset_writer import (
-    DatasetWriter,
-    is_whole_png,
-    link_or_copy,
-    write_geometry_entry,
-)
+from renders.dataset_writer import DatasetWriter, is_whole_png
 from renders.labels import PixelTruth
 from renders.scenario import RenderRequest, resolve
-from renders.store import read_exr
+from renders.sealed_exr import read_exr
+from renders.store import RadianceStore, entry_key
 from renders.truth import ExposureTruth, read_exposures, read_part_names
 from renders.world import World
 from tests.support.small_scenes import activate_best
 
 SHAPE = (48, 64)
+KEY = entry_key({"what": "geometry"})
 ENTRIES = [FrameEntry(0, 10.0, 1.5), FrameEntry(1, 12.5, 1.25)]
 
 
@@ -86,17 +84,15 @@ def pixel_truth(seed: int = 3) -> PixelTruth:
     return PixelTruth(labels, np.where(space, 0, depth), np.where(space[..., None], 0, normals))
 
 
-def write_all(writer: DatasetWriter, frame: int, band: int, store: Path) -> None:
-    entry = store / "entry.exr"
-    write_geometry_entry(entry, pixel_truth())
-    writer.write_pixel_truth(frame, band, entry)
+def write_all(writer: DatasetWriter, frame: int, band: int) -> None:
+    writer.write_pixel_truth(frame, band, pixel_truth(), KEY)
     writer.write_exposure(image_of(frame), truth_of(frame, band))
 
 
 def test_what_is_written_reads_back(writer: DatasetWriter, tmp_path: Path) -> None:
     for entry in ENTRIES:
         for band in (850, 800):
-            write_all(writer, entry.index, band, tmp_path)
+            write_all(writer, entry.index, band)
     writer.finish()
     np.testing.assert_array_equal(read_image(image_path(writer.folder, 1, 850)), image_of(1))
     truths = read_exposures(writer.folder)
@@ -114,7 +110,7 @@ def test_what_is_written_reads_back(writer: DatasetWriter, tmp_path: Path) -> No
 def test_geometry_keeps_labels_exactly_depth_in_floats_and_normals_in_halves(
     writer: DatasetWriter, tmp_path: Path
 ) -> None:
-    write_all(writer, 0, 850, tmp_path)
+    write_all(writer, 0, 850)
     truth = pixel_truth()
     labels = cv2.imread(str(writer.labels_path(0, 850)), cv2.IMREAD_UNCHANGED)
     np.testing.assert_array_equal(labels, truth.labels)
@@ -128,10 +124,8 @@ def test_geometry_keeps_labels_exactly_depth_in_floats_and_normals_in_halves(
 def test_all_255_labels_survive(writer: DatasetWriter, tmp_path: Path) -> None:
     truth = pixel_truth()
     labels = np.resize(np.arange(256, dtype=np.uint8), SHAPE)
-    write_geometry_entry(
-        tmp_path / "entry.exr", PixelTruth(labels, truth.depth_m, truth.normals_in_target)
-    )
-    writer.write_pixel_truth(0, 800, tmp_path / "entry.exr")
+    truth = PixelTruth(labels, truth.depth_m, truth.normals_in_target)
+    writer.write_pixel_truth(0, 800, truth, KEY)
     read = cv2.imread(str(writer.labels_path(0, 800)), cv2.IMREAD_UNCHANGED)
     np.testing.assert_array_equal(read, labels)
 
@@ -140,7 +134,7 @@ def test_an_exposure_is_there_only_with_all_its_parts(
     writer: DatasetWriter, tmp_path: Path
 ) -> None:
     assert not writer.has_exposure(0, 850)
-    write_all(writer, 0, 850, tmp_path)
+    write_all(writer, 0, 850)
     assert writer.has_exposure(0, 850)
     assert not writer.has_exposure(0, 800)
     for path in (
@@ -178,12 +172,37 @@ def test_another_scenario_in_the_folder_is_refused_and_nothing_touched(
     assert after == before
 
 
+def test_pixel_truth_is_taken_from_the_store_as_it_was_put_there(
+    writer: DatasetWriter, tmp_path: Path
+) -> None:
+    store = RadianceStore(tmp_path / "store")
+    assert not writer.take_pixel_truth(0, 850, store, KEY)
+    writer.write_pixel_truth(0, 800, pixel_truth(), KEY)
+    store.take(KEY, writer.geometry_path(0, 800))
+    assert writer.take_pixel_truth(0, 850, store, KEY)
+    for path in (writer.geometry_path, writer.labels_path):
+        assert path(0, 850).read_bytes() == path(0, 800).read_bytes()
+    assert os.path.samefile(writer.geometry_path(0, 850), store.path(KEY))
+
+
 def test_a_damaged_geometry_entry_is_not_taken(writer: DatasetWriter, tmp_path: Path) -> None:
-    entry = tmp_path / "entry.exr"
-    write_geometry_entry(entry, pixel_truth())
+    store = RadianceStore(tmp_path / "store")
+    writer.write_pixel_truth(0, 800, pixel_truth(), KEY)
+    store.take(KEY, writer.geometry_path(0, 800))
+    entry = store.path(KEY)
     entry.write_bytes(entry.read_bytes()[:-40])
-    with pytest.raises(StorageError, match="whole geometry entry"):
-        writer.write_pixel_truth(0, 850, entry)
+    assert not writer.take_pixel_truth(0, 850, store, KEY)
+    assert not writer.geometry_path(0, 850).exists()
+
+
+def test_an_entry_that_goes_while_it_is_taken_is_not_there(
+    writer: DatasetWriter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another process prunes between the look and the link."""
+    store = RadianceStore(tmp_path / "store")
+    answers = iter([True, False])
+    monkeypatch.setattr(store, "has", lambda _: next(answers))
+    assert not writer.take_pixel_truth(0, 850, store, KEY)
     assert not writer.geometry_path(0, 850).exists()
 
 

@@ -90,11 +90,14 @@ def identities(folder: Path, pattern: str = "*") -> dict[str, tuple[int, int]]:
 
 
 def contents(folder: Path) -> dict[str, str]:
-    """Return a hash of every file below a folder: runtimes, and where the store is, apart."""
+    """Return a hash of every file below a folder: runtimes, and what names folders, apart."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(_lasting(path)).hexdigest()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.name != "report.html" and not path.match("*.runtime.csv")
+        if path.is_file()
+        and path.name != "report.html"
+        and not path.match("*.runtime.csv")
+        and not path.match("claims/*.json")
     }
 
 
