@@ -69,19 +69,17 @@ def rows_of(result: SweepResult, setting: Setting, pipeline: str) -> list[Row]:
 
 
 def print_sweep(console: Console, result: SweepResult) -> None:
-    """Print the counts and errors of every setting and pipeline, and the extremes' names."""
+    """Print counts and position errors of every setting and pipeline, and the extremes' names."""
     table = Table(title=title(result), title_justify="left", box=box.SIMPLE_HEAD)
-    table.add_column("setting", no_wrap=True)
-    table.add_column("pipeline")
-    for verdict in VERDICTS:
-        table.add_column(verdict, justify="right")
-    table.add_column("position error, mm: median", justify="right")
-    table.add_column("worst", justify="right")
+    table.add_column("pipeline", no_wrap=True)
+    for head in (*VERDICTS, "median, mm", "worst, mm"):
+        table.add_column(head, justify="right")
     for setting in result.settings:
+        table.add_row(setting.title, style="bold")
         for pipeline in result.plan.pipelines:
             rows = rows_of(result, setting, pipeline)
             counts = [str(sum(row.verdict == verdict for row in rows)) for verdict in VERDICTS]
-            table.add_row(setting.title, pipeline, *counts, *_errors(rows))
+            table.add_row(f"  {pipeline}", *counts, *_errors(rows))
     console.print(table)
     best, harshest = ranked(rows_of(result, result.settings[0], result.map_pipeline))
     for name, rows in (("kindest", best), ("harshest", harshest)):
