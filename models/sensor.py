@@ -30,12 +30,18 @@ class Optics:
         Gaussian point-spread function, 1 sigma on the native 13.5 um pixel.
     vignetting : bool
         Whether illumination falls with the fourth power of the cosine off axis.
+    veiling_glare : float
+        Share of the scene's light that the lens scatters widely; see ``renders.veiling_glare``.
+    veiling_glare_px : float, px
+        How wide.
     """
 
     f_number: float = 16.0
     transmission: float = 0.8
     psf_sigma_px: float = 0.5
     vignetting: bool = True
+    veiling_glare: float = 0.0
+    veiling_glare_px: float = 400.0
 
 
 @dataclass(frozen=True)

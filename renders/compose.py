@@ -6,12 +6,23 @@ another exposure time, detector or seed, as often as a study wants.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+
+import numpy as np
 
 from models.arrays import Image, Radiance
-from renders.expose import electron_rate, expose_electrons, exposure_rng, mean_electrons
-from renders.light_groups import LightGroup
+from models.spacecraft.line_of_sight import is_hidden
+from renders.expose import (
+    SUNLIGHT_NM,
+    electron_rate,
+    electrons_per_radiance,
+    expose_electrons,
+    exposure_rng,
+    mean_electrons,
+)
+from renders.light_groups import LightGroup, SunGroup
 from renders.radiation_hits import radiation_hits
+from renders.veiling_glare import sun_glare
 from renders.world import Exposure, World
 
 
@@ -40,8 +51,34 @@ def compose(
     """
     optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
     rate = electron_rate(groups, optics, detector)
+    for glare in _glares(world, groups, exposure):
+        rate += glare * np.float32(electrons_per_radiance(optics, detector, SUNLIGHT_NM))
     mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector)
     key = (run, exposure.frame, exposure.band)
     radiation = world.scenario.simulated_radiation
     particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)
     return expose_electrons(mean_e, detector, exposure_rng(*key), particles_e)
+
+
+def _glares(
+    world: World, groups: Mapping[LightGroup, Radiance], exposure: Exposure
+) -> Iterator[Radiance]:
+    """Yield what each Sun that the target does not hide is worth as glare, W m-2 sr-1."""
+    scatter = world.scenario.simulated_scatter
+    if scatter.peak_1_sr <= 0.0:
+        return
+    cam_from_target = world.approach.cam_from_target(exposure.time_s)
+    lens = cam_from_target.inverse().translation
+    for group in groups:
+        if not isinstance(group, SunGroup):
+            continue
+        towards = np.array(group.direction_in_target)
+        glare = sun_glare(
+            world.camera,
+            cam_from_target.rotation @ towards,
+            group.irradiance_w_m2,
+            scatter,
+            is_hidden(world.target, lens, towards),
+        )
+        if glare is not None:
+            yield glare

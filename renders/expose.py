@@ -1,6 +1,6 @@
 """From radiance to a detector frame: the chain of a real camera, in its order, without Mitsuba.
 
-Optics (point spread, vignetting) -> photons -> quantum efficiency and pixel response -> dark
+Optics (point spread, vignetting, glare) -> photons -> quantum efficiency and pixel response -> dark
 current -> Poisson -> particles -> full well, blooming -> read noise -> gain, bias -> converter.
 Nothing is added that the detector's parameters do not name, and the same seed gives the same bits.
 """
@@ -18,6 +18,7 @@ from models.sensor import Detector, Optics, photon_energy_j
 from renders.blooming import bloom
 from renders.light_groups import LampGroup, LightGroup
 from renders.point_spread import blur
+from renders.veiling_glare import veiled
 
 SUNLIGHT_NM = 825.0  # middle of the 790 to 860 nm passband, for sunlight's mean photon
 CHIP_SEED = 20220  # one chip flies: its pixel response is the same in every frame and run
@@ -87,6 +88,8 @@ def mean_electrons(
     charge = blur(rate_e_s, optics.psf_sigma_px)
     if optics.vignetting:
         charge *= vignetting(camera)
+    if optics.veiling_glare > 0.0:
+        charge = veiled(charge, optics.veiling_glare, optics.veiling_glare_px)
     if detector.prnu > 0.0:
         charge *= pixel_response(camera.height, camera.width, detector.prnu)
     return (charge + detector.dark_current_e_s) * (exposure_ms * 1e-3)

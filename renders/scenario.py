@@ -19,12 +19,14 @@ from pydantic import Field, NonNegativeFloat, ValidationError
 
 from models.camera import Camera, camera_preset
 from models.errors import ScenarioError, cause
+from models.lens_scatter import LensScatter
 from models.lights.sun import sun_direction
 from models.sensor import Detector, Optics, Radiation
 from renders.scenario_camera import (
     CameraTable,
     DetectorTable,
     ExposureTable,
+    LensScatterTable,
     OpticsTable,
     RadiationTable,
     check_exposure,
@@ -110,6 +112,7 @@ class Scenario(Table):
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
     detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
+    lens_scatter: LensScatterTable = LensScatterTable()  # type: ignore[call-arg]
     radiation: RadiationTable = RadiationTable()  # type: ignore[call-arg]
     lamps: LampsTable = LampsTable()  # type: ignore[call-arg]
     sun: SunTable = SunTable()  # type: ignore[call-arg]
@@ -147,6 +150,7 @@ class Scenario(Table):
         """The lens, its blur in the pixels that are rendered."""
         table = self.optics.model_dump()
         table["psf_sigma_px"] *= self.pixel_scale
+        table["veiling_glare_px"] *= self.pixel_scale
         return Optics(**table)
 
     @property
@@ -155,6 +159,11 @@ class Scenario(Table):
         table = self.detector.model_dump()
         table["pixel_pitch_um"] /= self.pixel_scale
         return Detector(**table)
+
+    @property
+    def simulated_scatter(self) -> LensScatter:
+        """What the lens scatters of the Sun."""
+        return LensScatter(**self.lens_scatter.model_dump())
 
     @property
     def simulated_radiation(self) -> Radiation:

@@ -29,6 +29,8 @@ class OpticsTable(Table):
     transmission: float = Field(0.8, gt=0, le=1)
     psf_sigma_px: float = Field(0.5, ge=0, description="on the native 13.5 um pixel")
     vignetting: bool = True
+    veiling_glare: float = Field(0.0, ge=0, le=0.5, description="share of the scene's light")
+    veiling_glare_px: float = Field(400.0, ge=20, description="how wide, on the native pixel")
 
 
 class DetectorTable(Table):
@@ -44,6 +46,16 @@ class DetectorTable(Table):
     gain_e_dn: float = Field(26.0, gt=0)
     bias_dn: float = Field(100.0, ge=0)
     bits: int = Field(12, ge=8, le=16)
+
+
+class LensScatterTable(Table):
+    """Sunlight scattered in the lens; see ``models.lens_scatter``."""
+
+    peak_1_sr: float = Field(0.0, ge=0, description="towards the Sun; some 10 for a clean lens")
+    shoulder_deg: float = Field(0.6, gt=0.01, le=30)
+    slope: float = Field(2.0, gt=0, le=4)
+    hood_deg: float = Field(90.0, gt=0, le=90, description="off axis; the hood shades a Sun beyond")
+    hood_leak: float = Field(0.0, ge=0, le=1)
 
 
 class RadiationTable(Table):
