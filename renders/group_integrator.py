@@ -5,6 +5,9 @@ contribution goes to its own sum, and one BSDF sample carries the path on for al
 are pixels and samples are a loop inside the kernel, so nothing is added atomically: equal seeds
 give equal bits. The random numbers of a pixel depend on the seed and the pixel alone, not on the
 lights or on the window that is rendered.
+
+No path is ended by chance (Russian roulette): sixteen lanes walk the scene together, so that a dead
+lane saves little, and what it loses shows as noise. Measured, not assumed; see docs/decisions.md.
 """
 
 from __future__ import annotations
@@ -21,7 +24,9 @@ from models.camera import Camera
 from models.pose import RigidTransform
 from renders.camera_plugin import ray_direction_in_cam
 from renders.light_groups import LampGroup, LightGroup, SunGroup
+from renders.sample_sequence import points_2d
 
+PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED and lobe, lobe
 LANE_SAMPLES = 16  # a pixel with more samples is shared by several lanes: no core idles
 
 
@@ -87,21 +92,18 @@ def _trace(
     first: Any,
     last: Any,
     width: Any,
-    grid: Any,
     max_depth: Any,
-    rng: Any,
+    key: Any,
 ) -> Any:
     """Return a list of radiance sums, one array over the pixels for each light."""
     context = mi.BSDFContext()
     sums = [dr.zeros(mi.Float, dr.width(pixels)) for _ in lights]
     column = mi.Float(pixels % width)
     row = mi.Float(pixels // width)
-    cell = 1.0 / mi.Float(grid)
     index = mi.UInt32(first)
     while index < last:
-        u = column + (mi.Float(index % grid) + rng.next_float32()) * cell - 0.5
-        v = row + (mi.Float(index // grid) + rng.next_float32()) * cell - 0.5
-        ray = ray_of(u, v)
+        place = points_2d(index, key, mi.UInt32(0))
+        ray = ray_of(column + place.x - 0.5, row + place.y - 0.5)
         throughput = mi.Color3f(1.0)
         depth = mi.UInt32(0)
         active = mi.Bool(True)
@@ -109,12 +111,11 @@ def _trace(
             si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
             active &= si.is_valid()
             bsdf = si.bsdf(ray)
-            disc = mi.warp.square_to_uniform_disk_concentric(
-                mi.Point2f(rng.next_float32(), rng.next_float32())
-            )
-            choice = rng.next_float32()
+            pair = 1 + depth * PAIRS_PER_VERTEX
+            disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))
+            choice = points_2d(index, key, pair + 1)
             for number, light in enumerate(lights):
-                towards, distance, irradiance = light.sample(si.p, disc, choice)
+                towards, distance, irradiance = light.sample(si.p, disc, choice.x)
                 wo = si.to_local(towards)
                 facing = active & (dr.dot(towards, si.n) * si.wi.z > 0.0) & (irradiance > 0.0)
                 value = bsdf.eval(context, si, wo, facing)
@@ -126,9 +127,8 @@ def _trace(
                 sums[number] += dr.select(facing & ~dark, share, 0.0)
             depth += 1
             active &= depth < max_depth
-            sample1 = rng.next_float32()
-            sample2 = mi.Point2f(rng.next_float32(), rng.next_float32())
-            bsdf_sample, weight = bsdf.sample(context, si, sample1, sample2, active)
+            lobe = points_2d(index, key, pair + 2)
+            bsdf_sample, weight = bsdf.sample(context, si, choice.y, lobe, active)
             throughput *= weight
             active &= dr.any(throughput > 0.0)
             ray = si.spawn_ray(si.to_world(bsdf_sample.wo))
@@ -136,18 +136,9 @@ def _trace(
     return [total / mi.Float(last - first) for total in sums]
 
 
-def random_lanes(seed: int, pixels: Any, shares: Any) -> Any:
-    """Return random numbers for each lane, keyed by seed, pixel and share.
-
-    Both halves of a generator's seed are hashed (Tiny Encryption Algorithm, as Mitsuba's samplers
-    do): PCG streams that differ only in their number are correlated, enough to shift a dot. The
-    seed is opaque: as a literal it would compile a kernel for each frame.
-    """
-    first, second = mi.sample_tea_32(pixels, dr.opaque(mi.UInt32, seed))
-    state, stream = mi.sample_tea_32(first ^ shares, second)
-    rng = mi.PCG32()
-    rng.seed(initstate=mi.UInt64(state), initseq=mi.UInt64(stream))
-    return rng
+def pixel_keys(seed: int, pixels: Any) -> Any:
+    """Return a random key for each pixel; the seed is opaque: a literal would compile anew."""
+    return mi.sample_tea_32(pixels, dr.opaque(mi.UInt32, seed))[0]
 
 
 def lanes_per_pixel(samples: int) -> int:
@@ -164,7 +155,7 @@ def trace_groups(
     cam_from_target: RigidTransform,
     groups: Sequence[LightGroup],
     pixels: AnyArray,
-    grid: int,
+    samples: int,
     max_depth: int,
     seed: int,
 ) -> dict[str, Radiance]:
@@ -179,8 +170,8 @@ def trace_groups(
     groups : sequence of LightGroup
     pixels : (n,) uint32 array
         Indices ``row * width + column``.
-    grid : int
-        Samples per pixel are ``grid**2``, stratified over the pixel.
+    samples : int
+        Per pixel; spread most evenly if a power of two.
     max_depth : int
         Surface interactions a path may have; 1 is direct light only.
     seed : int
@@ -202,13 +193,12 @@ def trace_groups(
         return mi.Ray3f(lens, dr.normalize(direction))
 
     lights = [light_of(group, cam_from_target) for group in groups]
-    shares = lanes_per_pixel(grid * grid)
-    each = grid * grid // shares
+    shares = lanes_per_pixel(samples)
+    each = samples // shares
     pixel_of_lane = np.repeat(np.asarray(pixels, dtype=np.uint32), shares)
     share_of_lane = np.tile(np.arange(shares, dtype=np.uint32), len(pixels))
     lanes = mi.UInt32(pixel_of_lane)
     first = mi.UInt32(share_of_lane * each)
-    rng = random_lanes(seed, lanes, mi.UInt32(share_of_lane))
     sums = _trace(
         scene,
         ray_of,
@@ -217,9 +207,8 @@ def trace_groups(
         first,
         first + dr.opaque(mi.UInt32, each),
         mi.UInt32(camera.width),
-        dr.opaque(mi.UInt32, grid),
         dr.opaque(mi.UInt32, max_depth),
-        rng,
+        pixel_keys(seed, lanes),
     )
     dr.eval(sums)
     return {

@@ -30,6 +30,7 @@ from renders.scenario_camera import (
     OpticsTable,
     RadiationTable,
     check_exposure,
+    check_focus,
 )
 from renders.scenario_errors import explain
 from renders.scenario_table import Table
@@ -83,7 +84,7 @@ class MotionTable(Table):
 class RenderTable(Table):
     """How light is traced."""
 
-    samples: int = Field(16, ge=1, le=4096, description="per pixel; a square number")
+    samples: int = Field(16, ge=1, le=4096, description="per pixel; best a power of two")
     marker_samples: int = Field(4096, ge=1, description="per pixel in the marker windows")
     max_depth: int = Field(4, ge=1, le=32, description="surface interactions of a path")
     seed: int = Field(1, ge=0)
@@ -291,16 +292,9 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
             f"got {motion.start_s} to {motion.end_s} s"
         )
     check_exposure(scenario.exposure, motion.pair_gap_ms, where)
+    check_focus(scenario.optics, where)
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
-    for key in ("samples", "marker_samples"):
-        count = getattr(scenario.render, key)
-        if round(count**0.5) ** 2 != count:
-            near = max(1, round(count**0.5)) ** 2
-            raise ScenarioError(
-                f"{where}: expected render.{key} to be a square number (samples are stratified "
-                f"over the pixel), got {count}; {near} is the nearest"
-            )
     camera_preset(scenario.camera.preset)
     return scenario
 

@@ -29,7 +29,7 @@ def render_windows(
     Parameters
     ----------
     samples : int
-        Per pixel, stratified.
+        Per pixel, stratified if a square number.
     segments : int
         Mitsuba's ``max_depth``: 1 shows emitters alone, 2 direct light.
 
@@ -53,7 +53,9 @@ def render_windows(
             "pixel_format": "rgb",
             "component_format": "float32",
         }
-        sampler = {"type": "stratified", "sample_count": samples}
+        square = round(samples**0.5) ** 2 == samples
+        kind = "stratified" if square else "independent"
+        sampler = {"type": kind, "sample_count": samples}
         sensor = mi.load_dict(sensor_dict(camera, cam_from_target, film) | {"sampler": sampler})
         image = mi.render(scene, sensor=sensor, integrator=integrator, spp=samples, seed=seed)
         images.append(np.array(image, dtype=np.float64))

@@ -56,9 +56,9 @@ class Sweep:
     width: OptionalCount = None
     """columns of the image, the field of view stays; 1024 unless given or the case has fewer"""
     spp: OptionalCount = None
-    """samples per pixel, a square number"""
+    """samples per pixel, best a power of two"""
     marker_samples: OptionalCount = None
-    """samples per pixel along the outlines of the markers, a square number"""
+    """samples per pixel along the outlines of the markers, best a power of two"""
     variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
     """how Mitsuba computes; auto takes the fastest that renders here"""
     store: OptionalFolder = None

@@ -60,12 +60,12 @@ def corner() -> tuple[Any, RigidTransform]:
 def traced(
     groups: list[LightGroup],
     pixels: AnyArray = EVERYWHERE,
-    grid: int = 4,
+    samples: int = 16,
     seed: int = 5,
     max_depth: int = 4,
 ) -> dict[str, Radiance]:
     scene, pose = corner()
-    return trace_groups(scene, CAMERA, pose, groups, pixels, grid, max_depth, seed)
+    return trace_groups(scene, CAMERA, pose, groups, pixels, samples, max_depth, seed)
 
 
 # Independence
@@ -79,11 +79,11 @@ def test_a_group_does_not_depend_on_its_company() -> None:
         np.testing.assert_array_equal(alone, together[group.name])
 
 
-@pytest.mark.parametrize("grid", [4, 8])
-def test_a_pixel_does_not_depend_on_the_others_that_are_traced(grid: int) -> None:
-    whole = traced([sun("S2"), LAMPS], grid=grid)
+@pytest.mark.parametrize("samples", [16, 64])
+def test_a_pixel_does_not_depend_on_the_others_that_are_traced(samples: int) -> None:
+    whole = traced([sun("S2"), LAMPS], samples=samples)
     some = np.random.default_rng(1).permutation(EVERYWHERE)[:60]
-    part = traced([sun("S2"), LAMPS], pixels=some, grid=grid)
+    part = traced([sun("S2"), LAMPS], pixels=some, samples=samples)
     for name, image in whole.items():
         np.testing.assert_array_equal(image[some], part[name])
 
@@ -164,13 +164,13 @@ def test_lanes_of_the_samples_in_use(samples: int, shares: int) -> None:
     assert lanes_per_pixel(samples) == shares
 
 
-@pytest.mark.parametrize("grid", [3, 4, 8, 16])
-def test_samples_are_stratified_over_the_pixel_however_they_are_shared(grid: int) -> None:
-    """An edge through a column of pixels: only the cells that it cuts are left to chance.
+@pytest.mark.parametrize("samples", [8, 16, 64, 256])
+def test_samples_are_stratified_over_the_pixel_however_they_are_shared(samples: int) -> None:
+    """An edge through a column of pixels: only the strip that it cuts is left to chance.
 
-    Of ``grid`` squared samples ``grid`` are, so the share covered scatters by
-    ``sqrt(p (1 - p) / grid) / grid``, not by ``sqrt(c (1 - c)) / grid``; one cell visited twice
-    or left out would show.
+    Sobol points, a power of two of them, put one into each of ``samples`` strips, so the share
+    covered scatters by ``sqrt(p (1 - p)) / samples``, not by ``sqrt(c (1 - c) / samples)``; one
+    strip visited twice or left out would show.
     """
     from renders.scene import build_geometry
 
@@ -185,12 +185,12 @@ def test_samples_are_stratified_over_the_pixel_however_they_are_shared(grid: int
     scene = build_geometry(craft, None, RetroreflectorOptics()).scene()
     pixels = np.arange(9 * 200, dtype=np.uint32)
     light = SunGroup("sun", (0.0, 0.0, 1.0), angular_diameter_deg=1e-3)
-    image = trace_groups(scene, camera, camera_at([0, 0, reach]), [light], pixels, grid, 1, 3)
+    image = trace_groups(scene, camera, camera_at([0, 0, reach]), [light], pixels, samples, 1, 3)
     covered = (image["sun"] / image["sun"].max()).reshape(200, 9)
     np.testing.assert_array_equal(covered[:, :4], 0.0)
     np.testing.assert_allclose(covered[:, 5:], 1.0, rtol=1e-5)
-    within = (cut * grid) % 1.0
-    expected = np.sqrt(within * (1.0 - within) / grid) / grid
+    within = (cut * samples) % 1.0
+    expected = np.sqrt(within * (1.0 - within)) / samples
     four_sigma = 4.0 / np.sqrt(2 * 200)
     assert covered[:, 4].std() == pytest.approx(expected, rel=four_sigma)
     assert covered[:, 4].mean() == pytest.approx(1.0 - cut, abs=4.0 * expected / np.sqrt(200))

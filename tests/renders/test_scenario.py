@@ -117,13 +117,6 @@ def test_what_is_not_toml_or_not_there_is_refused(tmp_path: Path) -> None:
 # What no single key can show
 
 
-@pytest.mark.parametrize("key", ["samples", "marker_samples"])
-def test_samples_are_a_square_number(tmp_path: Path, key: str) -> None:
-    said = refusal(tmp_path, f'name = "x"\n[render]\n{key} = 15')
-    assert f"render.{key}" in said
-    assert "got 15; 16 is the nearest" in said
-
-
 @pytest.mark.parametrize("sun", ["0,0,0", "1,2", "nan,0,1", "S9", "up"])
 def test_a_sun_that_is_none_is_refused(tmp_path: Path, sun: str) -> None:
     path = written(tmp_path, f'name = "x"\n[sun]\ndefault = "{sun}"')
@@ -201,7 +194,6 @@ def test_options_change_what_they_name_and_nothing_else() -> None:
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"spp": 15}, "square number"),
         ({"spp": 0}, "at least 1|greater than or equal to 1"),
         ({"width": 10}, "64"),
         ({"rate_hz": -1.0}, "above 0|greater than 0"),
