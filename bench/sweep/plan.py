@@ -21,7 +21,7 @@ from renders.world import World
 DEFAULT_STEP_DEG = 15.0
 DEFAULT_WIDTH_PX = 1024  # a survey of hundreds of Suns; a case with fewer columns keeps its own
 DEFAULT_MEMORY_GB = 4.0
-RANGE_STEP_S = 1.0  # the range falls by 15 mm meanwhile, and never rises
+RANGE_STEP_S = 10.0  # the range falls by 0.15 m meanwhile; within less it never rises and falls
 TIME_DIGITS = 3  # a moment is told to the millisecond: 15 um of range
 
 

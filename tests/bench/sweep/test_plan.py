@@ -1,0 +1,80 @@
+"""What a sweep is asked to do is found in the approach, or refused with what is possible."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bench.sweep.plan import (
+    SweepRequest,
+    moment_at_range,
+    plan_sweep,
+    range_at,
+    ranges_covered_m,
+)
+from models.errors import ScenarioError
+from models.lights.sun import SUN_CASES_DEG
+from renders.scenario import RenderRequest, resolve
+from renders.world import World
+
+WORLD = World(resolve(RenderRequest("maxar-approach", Path("unused"))))
+MILLISECOND_M = 1.5e-5  # at 15 mm/s
+
+
+def plan(**options):
+    return plan_sweep(SweepRequest("maxar-approach", Path("unused"), **options))
+
+
+@settings(max_examples=20)
+@given(st.floats(*ranges_covered_m(WORLD)))
+def test_at_the_moment_of_a_range_the_camera_is_that_far(range_m):
+    time_s = moment_at_range(WORLD, range_m)
+    assert 0.0 <= time_s <= 330.0
+    assert time_s == round(time_s, 3)  # it can be typed
+    assert range_at(WORLD, time_s) == pytest.approx(range_m, abs=MILLISECOND_M)
+
+
+def test_poses_suns_and_pipelines():
+    asked = plan(range_m=(2.5, 4.0), time_s=(10.0, 10.0), suns=("paper",), pipeline="paper")
+    assert [pose.range_m for pose in asked.poses[:2]] == pytest.approx([2.5, 4.0], abs=1e-4)
+    assert asked.poses[2].time_s == 10.0
+    assert len(asked.poses) == 3
+    assert [sun.name for sun in asked.suns] == list(SUN_CASES_DEG)
+    assert asked.pipelines == ("paper",)
+    assert len(plan(range_m=(2.5,)).suns) == 188
+    assert len(plan(range_m=(2.5,), sun_step_deg=45.0).suns) == 22
+
+
+def test_a_sweep_is_a_thousand_columns_wide_unless_asked():
+    assert plan(range_m=(2.5,)).scenario.camera.width == 1024
+    assert plan(range_m=(2.5,), width=2048).scenario.camera.width == 2048
+    assert plan(range_m=(2.5,), width=256).scenario.camera.width == 256
+
+
+def test_samples_reach_the_scenario():
+    render = plan(range_m=(2.5,), spp=4, marker_samples=64).scenario.render
+    assert (render.samples, render.marker_samples) == (4, 64)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({}, "--range-m from 1.97 to 6.78, or --time-s from 0 to 330; got neither"),
+        ({"range_m": (9.0,)}, "expected --range-m from 1.97 to 6.78.* got 9"),
+        ({"range_m": (1.0,)}, "expected --range-m from 1.97 to 6.78.* got 1"),
+        ({"range_m": (float("nan"),)}, "expected --range-m from 1.97 to 6.78"),
+        ({"time_s": (331.0,)}, "expected --time-s from 0 to 330.* got 331"),
+        ({"time_s": (5.0,), "sun_step_deg": 7.0}, "divides 180.* 6.92308 is the nearest"),
+        ({"time_s": (5.0,), "suns": ("S9",)}, "expected a Sun among S1.* got 'S9'"),
+        ({"time_s": (5.0,), "suns": ("S1",), "sun_step_deg": 15.0}, "either a grid.* got both"),
+        ({"time_s": (5.0,), "exposure_ms": (1.0, 0.0)}, "expected --exposure-ms above 0, got 0"),
+        ({"time_s": (5.0,), "lamp_w_sr": (-1.0,)}, "expected --lamp-w-sr above 0, got -1"),
+        ({"time_s": (5.0,), "marker_samples": 0}, "--marker-samples of at least 1, got 0"),
+        ({"time_s": (5.0,), "threads": 0}, "expected --threads of at least 1, got 0"),
+        ({"time_s": (5.0,), "memory_gb": 0.1}, "--memory-gb of at least 1 for 1024"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_what_can(options, told):
+    with pytest.raises(ScenarioError, match=told):
+        plan(**options)

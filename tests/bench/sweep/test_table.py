@@ -1,0 +1,146 @@
+"""The table holds what was judged, and comes back from CSV and JSON with every digit."""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bench.detections import visible_markers
+from bench.sweep.extremes import ranked
+from bench.sweep.table import (
+    VERDICTS,
+    Row,
+    Setting,
+    judged_row,
+    read_csv,
+    read_json,
+    setting_of,
+    to_csv,
+    to_json,
+)
+from models.camera import camera_preset
+from models.errors import DatasetError
+from models.lights.sun_grid import read_sun
+from models.spacecraft.retroreflector_layout import RETROREFLECTORS
+from tests.support.synthetic_dataset import (
+    lost_estimate,
+    perfect_estimate,
+    true_exposure,
+    true_pose,
+)
+
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
+WORDS = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=12)
+MAYBE = st.none() | NUMBERS
+COUNTS = st.integers(0, 20)
+ROWS = st.lists(
+    st.builds(
+        Row,
+        **dict.fromkeys(("azimuth_deg", "elevation_deg", "time_s", "range_m"), NUMBERS),
+        **dict.fromkeys(("exposure_ms", "lamp_w_sr"), NUMBERS),
+        **{f"saturated_{band}_percent": NUMBERS for band in (800, 850)},
+        **dict.fromkeys(("sun", "sun_text", "pipeline", "reason"), WORDS),
+        verdict=st.sampled_from(VERDICTS),
+        **dict.fromkeys(("expected", "found", "mismatched", "used", "in_sun"), COUNTS),
+        **dict.fromkeys(("position_error_mm", "attitude_error_deg"), MAYBE),
+        **{f"error_{axis}_mm": MAYBE for axis in "xyz"},
+    ),
+    max_size=4,
+)
+CAMERA = camera_preset("chaser_fixed").resized(512)
+TRUTH = true_exposure(0, 850, 12.0, true_pose(3.0, 0.0), CAMERA)
+MARKERS = visible_markers(TRUTH, CAMERA, RETROREFLECTORS)
+SETTING = Setting(12.0, 3.0, 0.5, 12.0)
+
+
+def judged(estimate, sun="S2"):
+    saturated = {800: 0.0, 850: 1.5}
+    return judged_row(read_sun(sun), SETTING, "best", estimate, TRUTH, MARKERS, saturated)
+
+
+@settings(max_examples=30)
+@given(ROWS)
+def test_rows_come_back_from_both_files(tmp_path_factory, rows):
+    folder = tmp_path_factory.mktemp("table")
+    (folder / "t.csv").write_text(to_csv(rows))
+    (folder / "t.json").write_text(to_json(rows, {"case": "x"}))
+    assert read_csv(folder / "t.csv") == rows
+    assert read_json(folder / "t.json") == (rows, {"case": "x"})
+
+
+def test_every_column_with_a_dimension_names_its_unit():
+    units = ("_deg", "_s", "_m", "_ms", "_w_sr", "_mm", "_percent")
+    for field in dataclasses.fields(Row):
+        if "float" in str(field.type):
+            assert field.name.endswith(units), field.name
+
+
+def test_what_is_no_table_is_refused(tmp_path):
+    path = tmp_path / "t.csv"
+    for text in ("", "a,b\n1,2\n", to_csv([judged(lost_estimate(TRUTH))]).replace("12.0", "x")):
+        path.write_text(text)
+        if text:
+            with pytest.raises(DatasetError, match="expected the table of a sweep"):
+                read_csv(path)
+    other = json.loads(to_json([], {})) | {"version": 99}
+    path.write_text(json.dumps(other))
+    with pytest.raises(DatasetError, match="another format or version"):
+        read_json(path)
+
+
+def test_a_perfect_estimate_finds_every_marker_and_has_no_error():
+    row = judged(perfect_estimate(TRUTH))
+    assert row.verdict == "all found"
+    assert row.found == row.expected == int(MARKERS.expected.sum()) >= 8
+    assert row.mismatched == 0
+    assert row.position_error_mm == row.attitude_error_deg == 0.0
+    assert (row.azimuth_deg, row.elevation_deg) == (270.0, 45.0)
+    assert setting_of(row) == SETTING
+
+
+def test_errors_are_the_pose_errors_along_the_cameras_axes():
+    estimate = perfect_estimate(TRUTH)
+    off = TRUTH.cam_from_target.perturbed([0.0, 0.0, 0.01], [0.003, 0.0, -0.004])
+    row = judged(dataclasses.replace(estimate, cam_from_target=off))
+    assert (row.error_x_mm, row.error_y_mm, row.error_z_mm) == pytest.approx((3.0, 0.0, -4.0))
+    assert row.position_error_mm == pytest.approx(5.0)
+    assert row.attitude_error_deg == pytest.approx(math.degrees(0.01))
+    assert row.verdict == "all found"  # the detections are true, the pose is not
+
+
+def test_a_marker_missed_or_mistaken_is_counted():
+    estimate = perfect_estimate(TRUTH)
+    found = estimate.detections
+    seen = np.flatnonzero(MARKERS.expected[list(found.marker)])
+    fewer = dataclasses.replace(
+        found, marker=tuple(-1 if k == seen[0] else m for k, m in enumerate(found.marker))
+    )
+    row = judged(dataclasses.replace(estimate, detections=fewer))
+    assert (row.verdict, row.found, row.mismatched) == ("some missed", row.expected - 1, 0)
+    swapped = list(found.marker)
+    swapped[seen[0]], swapped[seen[1]] = swapped[seen[1]], swapped[seen[0]]
+    mistaken = dataclasses.replace(found, marker=tuple(swapped))
+    row = judged(dataclasses.replace(estimate, detections=mistaken))
+    assert (row.verdict, row.found, row.mismatched) == ("some missed", row.expected - 2, 2)
+
+
+def test_no_pose_has_a_reason_and_no_error():
+    row = judged(lost_estimate(TRUTH, "only 2 markers"))
+    assert (row.verdict, row.reason, row.found) == ("no pose", "only 2 markers", 0)
+    assert row.position_error_mm is row.attitude_error_deg is row.error_x_mm is None
+
+
+def test_harshest_is_no_pose_then_markers_missed_then_error():
+    good = judged(perfect_estimate(TRUTH))
+    off = dataclasses.replace(good, position_error_mm=3.0)
+    missed = dataclasses.replace(good, found=good.expected - 2, position_error_mm=0.1)
+    lost = judged(lost_estimate(TRUTH))
+    rows = [missed, good, lost, off]
+    best, harshest = ranked(rows)
+    assert (best, harshest) == ([good, off], [lost, missed])
+    best, harshest = ranked([good])
+    assert (best, harshest) == ([good], [])
