@@ -43,6 +43,7 @@ from renders.replay import (
     lit_by,
     lit_otherwise,
     needed_keys,
+    read_depth,
     read_groups,
 )
 from renders.scenario import RenderRequest, resolve
@@ -307,8 +308,9 @@ def _render_exposure(
         groups = {group: by_name[group.name] for group in lit_by(studio.world, exposure.band)}
     else:
         groups = studio.light(exposure, cam_from_target)
-    image = compose(studio.world, groups, exposure, exposure_ms, run=0)
     _put_pixel_truth(studio, writer, exposure, cam_from_target)
+    depth_m = read_depth(studio.world, writer.folder, exposure)
+    image = compose(studio.world, groups, exposure, exposure_ms, 0, depth_m)
     writer.write_exposure(image, studio.truth(exposure, cam_from_target))
 
 

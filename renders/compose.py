@@ -32,6 +32,7 @@ def compose(
     exposure: Exposure,
     exposure_ms: float,
     run: int,
+    depth_m: Radiance | None = None,
 ) -> Image:
     """Expose one frame from its light groups.
 
@@ -44,6 +45,8 @@ def compose(
     exposure_ms : float, ms
     run : int
         Keys its random numbers, with the exposure's frame and band.
+    depth_m : (height, width) array, m, optional
+        Of each pixel, 0 in space; a lens with a focus needs it.
 
     Returns
     -------
@@ -53,7 +56,7 @@ def compose(
     rate = electron_rate(groups, optics, detector)
     for glare in _glares(world, groups, exposure):
         rate += glare * np.float32(electrons_per_radiance(optics, detector, SUNLIGHT_NM))
-    mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector)
+    mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m)
     key = (run, exposure.frame, exposure.band)
     radiation = world.scenario.simulated_radiation
     particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)

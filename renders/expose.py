@@ -1,8 +1,8 @@
 """From radiance to a detector frame: the chain of a real camera, in its order, without Mitsuba.
 
-Optics (point spread, vignetting, glare) -> photons -> quantum efficiency and pixel response -> dark
-current -> Poisson -> particles -> full well, blooming -> read noise -> gain, bias -> converter.
-Nothing is added that the detector's parameters do not name, and the same seed gives the same bits.
+Optics (defocus, point spread, vignetting, glare) -> photons -> quantum efficiency and pixel
+response -> dark current -> Poisson -> particles -> full well, blooming -> read noise -> gain, bias
+-> converter. Nothing is added that lens and chip do not name, and equal seeds give equal bits.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ import numpy as np
 
 from models.arrays import Floats, Image, Radiance
 from models.camera import Camera
+from models.errors import ScenarioError
 from models.sensor import Detector, Optics, photon_energy_j
 from renders.blooming import bloom
+from renders.defocus import circle_of_confusion_px, defocused
 from renders.light_groups import LampGroup, LightGroup
 from renders.point_spread import blur
 from renders.veiling_glare import veiled
@@ -82,9 +84,30 @@ def electron_rate(
 
 
 def mean_electrons(
-    rate_e_s: Radiance, exposure_ms: float, camera: Camera, optics: Optics, detector: Detector
+    rate_e_s: Radiance,
+    exposure_ms: float,
+    camera: Camera,
+    optics: Optics,
+    detector: Detector,
+    depth_m: Radiance | None = None,
 ) -> Floats:
-    """Return the expected charge of each pixel before the full well, (height, width), e."""
+    """Return the expected charge of each pixel before the full well, (height, width), e.
+
+    ``depth_m``, (height, width), is what a lens with a focus needs beside the light.
+
+    Raises
+    ------
+    ScenarioError
+        If it needs depth and there is none.
+    """
+    if optics.focus_m > 0.0:
+        if depth_m is None:
+            raise ScenarioError(
+                f"expected the depth of each pixel, which a lens focused at {optics.focus_m:g} m "
+                "needs, got light alone; set optics.focus_m to 0, sharp at any depth"
+            )
+        circle_px = circle_of_confusion_px(depth_m, optics, camera, detector)
+        rate_e_s = defocused(rate_e_s, circle_px).astype(np.float32)
     charge = blur(rate_e_s, optics.psf_sigma_px)
     if optics.vignetting:
         charge *= vignetting(camera)

@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+import numpy as np
+
 from models.arrays import Image, Radiance
 from models.dataset import FrameEntry
 from models.errors import DatasetError, StorageError, cause
@@ -20,9 +22,10 @@ from renders.exposure_control import ExposureControl
 from renders.kept_light import ALL_LIGHT, LightKeeping
 from renders.light_groups import LightGroup
 from renders.scenario import read_scenario
+from renders.sealed_exr import read_exr
 from renders.store import RadianceStore
 from renders.store_claims import Claim, held, read_claim
-from renders.world import BANDS, World
+from renders.world import BANDS, Exposure, World
 
 
 def lit_by(world: World, band: int) -> list[LightGroup]:
@@ -41,6 +44,26 @@ def read_groups(
             return None
         groups[group] = radiance
     return groups
+
+
+def read_depth(world: World, folder: Path, exposure: Exposure) -> Radiance | None:
+    """Return the depth of an exposure's pixels, m, from a dataset; None if the lens needs none.
+
+    Raises
+    ------
+    DatasetError
+        If it needs them and they are absent or damaged.
+    """
+    if world.scenario.optics.focus_m <= 0.0:
+        return None
+    path = folder / "truth" / "geometry" / f"{_named(exposure.frame, exposure.band)}.exr"
+    channels = read_exr(path)
+    if channels is None:
+        raise DatasetError(
+            f"expected the depth of each pixel at {path}, found it absent or damaged; "
+            "run the same command again to bring it back"
+        )
+    return np.asarray(channels["Z"], dtype=np.float32)
 
 
 def light_record(
@@ -178,7 +201,8 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
                 f"expected the light of frame {entry.index} at {band} nm in {store.folder}, "
                 f"found it absent or damaged; {_how_to_bring_back(folder)}"
             )
-        return compose(world, groups, exposure, entry.exposure_ms, run)
+        depth_m = read_depth(world, folder, exposure)
+        return compose(world, groups, exposure, entry.exposure_ms, run, depth_m)
 
     def frames() -> Iterator[Frame]:
         last: dict[int, Image] = {}

@@ -29,6 +29,7 @@ class OpticsTable(Table):
     transmission: float = Field(0.8, gt=0, le=1)
     psf_sigma_px: float = Field(0.5, ge=0, description="on the native 13.5 um pixel")
     vignetting: bool = True
+    focus_m: float = Field(0.0, ge=0, description="depth that is sharp; 0: sharp at any depth")
     veiling_glare: float = Field(0.0, ge=0, le=0.5, description="share of the scene's light")
     veiling_glare_px: float = Field(400.0, ge=20, description="how wide, on the native pixel")
 
@@ -83,6 +84,24 @@ class ExposureTable(Table):
     max_step: float = Field(2.0, gt=1, description="auto: largest factor between frames")
     min_ms: float = Field(0.01, gt=0, description="auto: shortest")
     max_ms: float = Field(20.0, gt=0, description="auto: longest")
+
+
+NEAREST_FOCUS_M = 0.1  # lenses of this kind focus no nearer; a thin lens never within its f
+
+
+def check_focus(table: OpticsTable, where: str) -> None:
+    """Refuse a focus that no lens has.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the key.
+    """
+    if 0.0 < table.focus_m < NEAREST_FOCUS_M:
+        raise ScenarioError(
+            f"{where}: expected optics.focus_m of at least {NEAREST_FOCUS_M:g} m, or 0 for a lens "
+            f"that is sharp at any depth, got {table.focus_m:g} m"
+        )
 
 
 def check_exposure(table: ExposureTable, pair_gap_ms: float, where: str) -> None:
