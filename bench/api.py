@@ -11,6 +11,7 @@ and ``report`` load no Mitsuba.
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
@@ -34,6 +35,9 @@ class RenderOptions(TypedDict, total=False):
     spp: int | None
     variant: Literal["auto", "llvm", "cuda", "scalar"]
     store: Path | None
+    store_budget_gb: float | None
+    keep_light: Literal["all", "markers", "none"]
+    keep_every: int | None
     threads: int | None
 
 
@@ -69,7 +73,7 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
         Runs that are meant over this light; with more than one, what light has left the store is
         rendered again. See ``run``.
     **options
-        Sun, rate, span, size, samples, variant, store, threads.
+        Sun, rate, span, size, samples, variant, store, its budget, what it keeps, threads.
 
     Raises
     ------
@@ -128,12 +132,15 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
         Each says what to do; nothing already rendered is lost.
     """
     from bench.repeated_runs import repeat_runs, runs_left
+    from renders.replay import light_held
 
     if not 1 <= seeds <= MOST_RUNS:
         raise ScenarioError(f"expected --seeds from 1 to {MOST_RUNS}, got {seeds}")
-    render(case, out, seeds=seeds if runs_left(out, seeds) else 1, **options)
-    estimate(out)
-    repeat_runs(out, seeds)
+    left = runs_left(out, seeds)
+    render(case, out, seeds=seeds if left else 1, **options)
+    with light_held(out) if left else nullcontext():
+        estimate(out)
+        repeat_runs(out, seeds)
     scored = score(out)
     report(out)
     return scored

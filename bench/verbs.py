@@ -50,11 +50,17 @@ class Render:
     width: OptionalCount = None
     """columns of the image; the field of view stays"""
     spp: OptionalCount = None
-    """samples per pixel, a square number"""
+    """samples per pixel, best a power of two"""
     variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
     """how Mitsuba computes; auto takes the fastest that renders here"""
     store: OptionalFolder = None
     """where rendered light is kept, to be shared by the Suns of a case"""
+    store_budget_gb: OptionalNumber = None
+    """what that may take; the longest unused goes first (20, else $RVBENCH_STORE_BUDGET_GB)"""
+    keep_light: Literal["all", "markers", "none"] = "all"
+    """whole light groups of all frames; of some, and each frame's marker windows; or no light"""
+    keep_every: OptionalCount = None
+    """with `--keep-light markers`, frames from one kept whole to the next (10)"""
     threads: OptionalCount = None
     """cores to use; all unless given"""
 
@@ -76,6 +82,9 @@ class Render:
             "spp": self.spp,
             "variant": self.variant,
             "store": self.store,
+            "store_budget_gb": self.store_budget_gb,
+            "keep_light": self.keep_light,
+            "keep_every": self.keep_every,
             "threads": self.threads,
         }
 

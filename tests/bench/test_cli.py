@@ -79,12 +79,14 @@ def test_what_cannot_be_parsed_is_code_2(typed, capsys):
 def test_options_reach_the_rendering():
     typed = (
         "run maxar-demo --out o --sun -1,0,0 --rate-hz 0.1 --span-s 20 40 --width 1024 --spp 16 "
-        "--variant scalar --seeds 3 --store s --threads 2"
+        "--variant scalar --seeds 3 --store s --threads 2 "
+        "--store-budget-gb 5 --keep-light markers --keep-every 20"
     )
     verb = cli.parse(typed.split())
     assert verb.options() == {
         "sun": "-1,0,0", "rate_hz": 0.1, "start_s": 20.0, "end_s": 40.0, "width": 1024, "spp": 16,
         "variant": "scalar", "store": Path("s"), "threads": 2,
+        "store_budget_gb": 5.0, "keep_light": "markers", "keep_every": 20,
     }  # fmt: skip
     assert (verb.case, verb.out, verb.seeds) == ("maxar-demo", Path("o"), 3)
 
@@ -265,7 +267,6 @@ BAD_INPUT: dict[str, tuple[Callable[[Path], object], str]] = {
     "a folder of another scenario": (nothing, "run maxar-demo --sun S3 --out DIR"),
     "a Sun of zero length": (nothing, "run maxar-demo --sun 0,0,0 --out OUT"),
     "no such Sun": (nothing, "run maxar-demo --sun S9 --out OUT"),
-    "samples that are no square": (nothing, "render maxar-demo --spp 5 --out OUT"),
     "a span that ends before it starts": (nothing, "render maxar-demo --span-s 9 3 --out OUT"),
     "no seeds": (nothing, "run maxar-demo --seeds 0 --out OUT"),
     "no dataset": (nothing, "estimate OUT"),
