@@ -110,11 +110,11 @@ def test_a_damaged_record_is_metered_again(metered: TinyDataset, damage: str) ->
     assert metered.files() == before
 
 
-@pytest.mark.parametrize("struck", [2, 3, 5])
+@pytest.mark.parametrize("struck", [2, 5])
 def test_a_run_cut_anywhere_ends_as_if_never_cut(
     metered: TinyDataset, monkeypatch: pytest.MonkeyPatch, struck: int
 ) -> None:
-    """Interrupted at its second, third or fifth exposure; the next run reads the image before."""
+    """Interrupted at its second or fifth exposure; the next run reads the image before."""
     from renders import batch
 
     before = metered.files()
