@@ -2,21 +2,24 @@
 
 SHELL := /bin/sh
 VENV := .venv
+ORACLE := .venv-oracle
 PYTHON := $(VENV)/bin/python
 PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
 
-.PHONY: help demo test check lint setup lock clean
+.PHONY: help demo test check lint setup oracle speed lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
 	@echo "make test    run the tests"
 	@echo "make check   run the tests, ruff, mypy and the import contracts"
 	@echo "make setup   only set up what the others need, in $(VENV)"
+	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
+	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
-	@echo "make clean   remove $(VENV) and caches; what was rendered under out/ stays"
+	@echo "make clean   remove $(VENV), $(ORACLE) and caches; what was rendered under out/ stays"
 
 demo: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
@@ -57,9 +60,19 @@ $(DEV): $(PYTHON) requirements-dev.lock pyproject.toml
 	$(call install,requirements-dev.lock)
 	@touch $(RUNTIME) $@
 
+oracle: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	@scripts/make_oracle.sh $(ORACLE)
+	$(PYTHON) -P -m bench.cycles.oracle
+
+speed: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	@scripts/make_oracle.sh $(ORACLE)
+	$(PYTHON) -P -m bench.cycles.speed
+
 lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) .venv-lock build *.egg-info .hypothesis .*_cache
+	rm -rf $(VENV) $(ORACLE) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Pins every dependency of pyproject.toml, with hashes, for CPython 3.11 and later on any platform:
-# requirements.lock to run, requirements-dev.lock to test. Takes uv from the path, or gets it.
+# requirements.lock to run, requirements-dev.lock to test; and for CPython 3.11 alone, which bpy is
+# made for, requirements-oracle.lock (`make oracle`, `make speed`). Takes uv from the path, or gets it.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -13,7 +14,7 @@ if [ -z "$uv" ]; then
     uv=.venv-lock/bin/uv
 fi
 
-trap 'rm -f requirements.lock.part requirements-dev.lock.part' EXIT
+trap 'rm -f requirements.lock.part requirements-dev.lock.part requirements-oracle.lock.part' EXIT
 
 compile() { # OUTPUT [OPTION...]; setuptools builds the house itself, so it is pinned too
     output=$1
@@ -30,3 +31,12 @@ compile() { # OUTPUT [OPTION...]; setuptools builds the house itself, so it is p
 
 compile requirements.lock
 compile requirements-dev.lock --extra dev --constraint requirements.lock
+
+oracle=requirements-oracle.lock
+{
+    echo "# Made by 'make lock' from the group 'oracle' of pyproject.toml; change that, not this."
+    "$uv" --no-config pip compile --group oracle --universal --python-version 3.11 \
+        --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate --no-header --quiet
+} >"$oracle.part"
+mv "$oracle.part" "$oracle"
+echo "wrote $oracle ($(grep -c '==' "$oracle") packages)"

@@ -70,8 +70,8 @@ class Job:
         Surface interactions of a path.
     threads : int
         For Cycles; rvbench takes the processors that the process may use.
-    labels : Path or None
-        Where rvbench writes what each pixel shows.
+    truth : Path or None
+        Where rvbench writes what each pixel shows (``OurRenderer.truth``).
     cycles : dict
         Settings of Cycles beyond those of ``blender_side``.
     """
@@ -81,7 +81,7 @@ class Job:
     tasks: tuple[Task, ...]
     max_depth: int = 4
     threads: int = 2
-    labels: Path | None = None
+    truth: Path | None = None
     cycles: dict[str, Any] = field(default_factory=dict)
 
     def table(self) -> dict[str, Any]:
@@ -94,7 +94,7 @@ class Job:
             "integrator": "path" if self.side == BARE else "groups",
             "variant": "auto",
             "persistent": len(self.tasks) > 1,
-            "labels": str(self.labels.resolve()) if self.labels else "",
+            "truth": str(self.truth.resolve()) if self.truth else "",
             "cycles": self.cycles,
         }
 
@@ -213,7 +213,7 @@ def read_radiance(path: Path, suns: Sequence[str]) -> dict[str, Radiance]:
         If one is missing.
     """
     with OpenEXR.File(str(path), separate_channels=True) as file:
-        channels = file.channels()
+        channels = {key: part.channels[key] for part in file.parts for key in part.channels}
         images = {}
         for name in suns:
             wanted = [name, f"ViewLayer.Combined_{name}.R"] + (["R"] if len(suns) == 1 else [])

@@ -63,6 +63,11 @@ class NeutralMesh:
     faces: AnyArray
     normals: AnyArray | None
 
+    @property
+    def region(self) -> str:
+        """What is compared as one: a label's share of one material."""
+        return f"{self.label}, {self.material}"
+
 
 @dataclass(frozen=True, eq=False)
 class NeutralScene:
@@ -85,9 +90,9 @@ class NeutralScene:
     meshes: tuple[NeutralMesh, ...]
 
     @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the labels in order of first use; label k + 1 means ``labels[k]``."""
-        return tuple(dict.fromkeys(mesh.label for mesh in self.meshes))
+    def regions(self) -> tuple[str, ...]:
+        """Names of the regions in order of first use; pixels of region k are labelled k + 1."""
+        return tuple(dict.fromkeys(mesh.region for mesh in self.meshes))
 
     def lit_by(self, suns: tuple[NeutralSun, ...]) -> NeutralScene:
         """Return the same scene under other Suns."""
@@ -142,7 +147,12 @@ def read_scene(folder: Path) -> NeutralScene:
     rotation: Floats = np.array(pose["rotation"])
     return NeutralScene(
         camera=Camera(
-            camera["width"], camera["height"], camera["fx"], camera["fx"], camera["cx"], camera["cy"]
+            camera["width"],
+            camera["height"],
+            camera["fx"],
+            camera["fx"],
+            camera["cx"],
+            camera["cy"],
         ),
         cam_from_target=RigidTransform(rotation, np.array(pose["translation"])).inverse(),
         suns=tuple(

@@ -15,9 +15,12 @@ import numpy as np
 import OpenEXR
 
 from bench.cycles.neutral_scene import NeutralMaterial, NeutralScene, NeutralSun, read_scene
-from models.arrays import Labels, Radiance
+from models.arrays import AnyArray, Radiance
 from renders.light_groups import SUNLIGHT, SunGroup
 from renders.variant import activate, choose_variant
+
+CLEARANCE_M = 2e-4  # shadow rays of the truth start this far above the surface
+FAR_M = 1e3  # beyond anything in the scene
 
 
 def bsdf_of(material: NeutralMaterial) -> dict[str, Any]:
@@ -64,8 +67,8 @@ def geometry_of(scene: NeutralScene) -> Any:
             params["vertex_normals"] = np.ravel(mesh.normals).astype(np.float32)
         params.update()
         shapes[key] = shape
-        label_of_shape[key] = scene.labels.index(mesh.label) + 1
-    return SceneGeometry(shapes, scene.labels, label_of_shape)
+        label_of_shape[key] = scene.regions.index(mesh.region) + 1
+    return SceneGeometry(shapes, scene.regions, label_of_shape)
 
 
 def sun_group(sun: NeutralSun) -> SunGroup:
@@ -101,12 +104,36 @@ class OurRenderer:
             self.scene, self.geometry, camera, cam_from_target, groups, None, sampling
         )
 
-    def labels(self) -> Labels:
-        """Return the label of what each pixel's centre shows."""
-        from renders.labels import pixel_truth
+    def truth(self) -> dict[str, AnyArray]:
+        """Return what each pixel's centre shows, and which Suns it faces and sees.
+
+        Returns
+        -------
+        dict of (height, width) arrays
+            ``labels``; ``normals`` (with three components, in the target frame, facing the
+            camera); ``facing_NAME`` and ``lit_NAME`` for each Sun.
+        """
+        from renders.labels import pixel_truth, unoccluded
 
         camera, cam_from_target = self.neutral.camera, self.neutral.cam_from_target
-        return pixel_truth(self.scene, self.geometry, camera, cam_from_target).labels
+        truth = pixel_truth(self.scene, self.geometry, camera, cam_from_target)
+        rows, columns = np.nonzero(truth.labels)
+        normals = truth.normals_in_target.astype(np.float64)
+        rays = camera.rays(np.stack([columns, rows], axis=1))
+        in_cam = rays * (truth.depth_m[rows, columns] / rays[:, 2])[:, None]
+        target_from_cam = cam_from_target.inverse()
+        there = normals[rows, columns]
+        there *= -np.sign((there * target_from_cam.rotate(rays)).sum(axis=1))[:, None]
+        normals[rows, columns] = there
+        points = target_from_cam @ in_cam + CLEARANCE_M * there
+        arrays: dict[str, AnyArray] = {"labels": truth.labels, "normals": normals}
+        for sun in self.neutral.suns:
+            towards = np.array(sun.direction_in_target)
+            facing, lit = np.zeros((2, *truth.labels.shape), dtype=bool)
+            facing[rows, columns] = there @ towards > 0.0
+            lit[rows, columns] = unoccluded(self.scene, points, points + FAR_M * towards)
+            arrays |= {f"facing_{sun.name}": facing, f"lit_{sun.name}": lit & facing}
+        return arrays
 
 
 class BareMitsuba:
@@ -171,8 +198,8 @@ def main(job_file: Path) -> None:
         clock.append(("rendered", time.time()))
         write_exr(Path(task["out"]), images)
         clock.append(("written", time.time()))
-    if job["labels"] and isinstance(renderer, OurRenderer):
-        np.save(job["labels"], renderer.labels())
+    if job["truth"] and isinstance(renderer, OurRenderer):
+        np.savez(job["truth"], **renderer.truth())  # type: ignore[arg-type]
     job_file.with_suffix(".clock.json").write_text(json.dumps(clock))
 
 

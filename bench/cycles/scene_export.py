@@ -66,9 +66,7 @@ def neutral_meshes(parts: tuple[Part, ...], target_from_body: RigidTransform) ->
                 material=material,
                 vertices=np.asarray(target_from_body @ mesh.vertices, dtype=np.float32),
                 faces=np.asarray(mesh.faces, dtype=np.int32),
-                normals=np.asarray(
-                    target_from_body.rotate(mesh.vertex_normals), dtype=np.float32
-                )
+                normals=np.asarray(target_from_body.rotate(mesh.vertex_normals), dtype=np.float32)
                 if smooth
                 else None,
             )
