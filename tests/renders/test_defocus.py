@@ -164,12 +164,13 @@ def test_a_dataset_with_a_focus_is_blurred_and_replayed_to_the_same_bits(
     request = replace(
         rendered_once.request, case=str(case), out=tmp_path / "out", store=tmp_path / "store"
     )
-    dataset = TinyDataset(request)
+    dataset = TinyDataset(replace(request, end_s=240.0))
     dataset.render()
-    _, frames = exposed_frames(dataset.folder, run=0)
-    for ours, theirs, sharp in zip(
-        frames, read_frames(dataset.folder), read_frames(rendered_once.folder), strict=True
-    ):
-        np.testing.assert_array_equal(ours.image_850, theirs.image_850)
-        steepest = [np.abs(np.diff(frame.image_850.astype(int))).max() for frame in (ours, sharp)]
-        assert steepest[0] < 0.5 * steepest[1]
+    ours = list(exposed_frames(dataset.folder, run=0)[1])
+    theirs = list(read_frames(dataset.folder))
+    assert len(ours) == len(theirs) == 1
+    np.testing.assert_array_equal(ours[0].image_800, theirs[0].image_800)
+    np.testing.assert_array_equal(ours[0].image_850, theirs[0].image_850)
+    sharp = next(read_frames(rendered_once.folder))
+    steepest = [np.abs(np.diff(f.image_850.astype(int))).max() for f in (theirs[0], sharp)]
+    assert steepest[0] < 0.5 * steepest[1]
