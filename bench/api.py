@@ -56,6 +56,7 @@ class SweepOptions(TypedDict, total=False):
     marker_samples: int | None
     variant: Literal["auto", "llvm", "cuda", "scalar"]
     store: Path | None
+    store_budget_gb: float | None
     threads: int | None
     memory_gb: float
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bench.report.numbers import number
 from bench.sweep.run import SweepResult
-from bench.sweep.shots import encoded_png, exposed, picture, read_light
+from bench.sweep.shots import encoded_png, picture
 from bench.sweep.table import Row, Setting, setting_of
 from models.atomic_file import write_bytes
 
@@ -27,13 +27,13 @@ class Extreme:
     name : str
         ``best_1`` to ``harshest_3``.
     row : Row
-    picture : (height, width) uint8 array or None
-        Its 850 nm frame; None where the store no longer has its light.
+    picture : (height, width) uint8 array
+        Its 850 nm frame.
     """
 
     name: str
     row: Row
-    picture: NDArray[np.uint8] | None
+    picture: NDArray[np.uint8]
 
     @property
     def title(self) -> str:
@@ -88,18 +88,12 @@ def write_extremes(out: Path, found: Sequence[Extreme]) -> list[Path]:
     """Write the pictures as PNGs into ``out/extremes``; return their paths."""
     paths = []
     for extreme in found:
-        if extreme.picture is None:
-            continue
         path = out / "extremes" / f"{extreme.name}.png"
         write_bytes(path, encoded_png(extreme.picture))
         paths.append(path)
     return paths
 
 
-def _picture(result: SweepResult, setting: Setting, row: Row) -> NDArray[np.uint8] | None:
-    shot = result.shots[setting, row.sun_text]
-    light = read_light(shot)
-    if light is None:
-        return None
+def _picture(result: SweepResult, setting: Setting, row: Row) -> NDArray[np.uint8]:
     detector = result.knowledge[setting.time_s].detector
-    return picture(exposed(shot, light).image_850, detector)
+    return picture(result.pair(setting, row.sun_text).image_850, detector)

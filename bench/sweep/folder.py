@@ -9,6 +9,7 @@
         shots/                    what each shot came to, see ``bench.sweep.shots``
         truth/scenario.toml       the scenario with every default resolved
               pose_285.000.json   what each pose truly was
+              depth_285.000_850.exr    where a lens with a focus needs it
 """
 
 from __future__ import annotations
@@ -19,10 +20,13 @@ from pathlib import Path
 from typing import Any
 
 from bench.sweep.plan import SweepPlan, SweepPose
+from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
 from models.lights.sun_grid import NamedSun
 from renders.scenario import read_scenario
+from renders.sealed_exr import read_exr, write_exr
+from renders.store import KEY
 from renders.truth import ExposureTruth
 
 PoseTruth = tuple[ExposureTruth, dict[str, list[float]]]
@@ -87,6 +91,21 @@ def write_pose_truth(out: Path, pose: SweepPose, key: str, found: PoseTruth) -> 
     truth, sun_lit = found
     table = {"key": key, "truth": truth.to_json(), "sun_lit": sun_lit}
     write_text(_truth_path(out, pose), json.dumps(table) + "\n")
+
+
+def depth_path(out: Path, pose: SweepPose, band: int) -> Path:
+    """Return where the depth of one exposure's pixels lies."""
+    return out / "truth" / f"depth_{pose.time_s:.3f}_{band}.exr"
+
+
+def has_depth(path: Path, key: str) -> bool:
+    """Tell whether a depth is there, whole, and of the geometry that ``key`` names."""
+    return read_exr(path, {KEY: key}) is not None
+
+
+def write_depth(path: Path, key: str, depth_m: Radiance) -> None:
+    """Write the depth of one exposure's pixels, m."""
+    write_exr(path, {"Z": depth_m}, {KEY: key})
 
 
 def _truth_path(out: Path, pose: SweepPose) -> Path:

@@ -102,7 +102,7 @@ def _context(
                 "title": each.title,
                 "verdict": each.verdict,
                 "lost": each.row.verdict == "no pose",
-                "source": None if each.picture is None else jpeg(_rgb(each.picture)),
+                "source": jpeg(_rgb(each.picture)),
             }
             for each in shown
         ],

@@ -15,6 +15,7 @@ from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
 from pipelines.options import VARIANTS
 from renders.scenario import RenderRequest, Scenario, check_scenario, resolve
+from renders.store_budget import budget_bytes
 from renders.sweep_batches import suns_in_a_batch
 from renders.world import World
 
@@ -49,6 +50,8 @@ class SweepRequest:
     variant : str
         How Mitsuba computes: auto, llvm, cuda or scalar.
     store : Path, optional
+    store_budget_gb : float, optional
+        What the store may take of the disk; see ``renders.store_budget``.
     threads : int, optional
     memory_gb : float, GiB
         Bound on the memory of the rendering process.
@@ -68,6 +71,7 @@ class SweepRequest:
     marker_samples: int | None = None
     variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
     store: Path | None = None
+    store_budget_gb: float | None = None
     threads: int | None = None
     memory_gb: float = DEFAULT_MEMORY_GB
 
@@ -103,6 +107,8 @@ class SweepPlan:
     workers : int
         Processes that expose and estimate.
     suns_in_a_pass : int
+    store_bytes : float
+        The store's budget.
     """
 
     request: SweepRequest
@@ -112,6 +118,7 @@ class SweepPlan:
     pipelines: tuple[str, ...]
     workers: int
     suns_in_a_pass: int
+    store_bytes: float
 
 
 def plan_sweep(request: SweepRequest) -> SweepPlan:
@@ -142,7 +149,7 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         check_scenario(scenario, f"{request.case} with the options given")
     _require_positive("--exposure-ms", request.exposure_ms)
     _require_positive("--lamp-w-sr", request.lamp_w_sr)
-    suns = _suns(request)
+    suns, store_bytes = _suns(request), budget_bytes(request.store_budget_gb)
     return SweepPlan(
         request=request,
         scenario=scenario,
@@ -150,7 +157,8 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         suns=tuple(suns),
         pipelines=tuple(VARIANTS) if request.pipeline == "both" else (request.pipeline,),
         workers=request.threads or os.cpu_count() or 1,
-        suns_in_a_pass=suns_in_a_batch(scenario.simulated_camera, request.memory_gb),
+        suns_in_a_pass=suns_in_a_batch(scenario.simulated_camera, request.memory_gb, store_bytes),
+        store_bytes=store_bytes,
     )
 
 

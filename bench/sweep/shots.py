@@ -22,15 +22,17 @@ from numpy.typing import NDArray
 from bench.stretch import stretch
 from models.arrays import Image, Radiance
 from models.atomic_file import write_bytes, write_text
-from models.errors import DatasetError
+from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
 from models.estimates_file import estimate_from_json, estimate_to_json
 from models.frame import FlightKnowledge, Frame
 from models.sensor import Detector
 from pipelines.chaser_fixed import ChaserFixed, options_for
+from renders.compose import compose
 from renders.light_groups import LightGroup
-from renders.replay import compose, read_groups
+from renders.replay import read_groups
 from renders.scenario import Scenario
+from renders.sealed_exr import read_exr
 from renders.store import RadianceStore
 from renders.world import World
 
@@ -55,6 +57,8 @@ class Shot:
         Lamp power over that of the scenario.
     pipelines : tuple of str
         Variants to ask.
+    depth : dict of int to Path
+        Where each band's depth lies; empty for a lens that is sharp at any depth.
     """
 
     scenario: Scenario
@@ -63,10 +67,11 @@ class Shot:
     exposure_ms: float
     lamp_factor: float
     pipelines: tuple[str, ...]
+    depth: Mapping[int, Path]
 
     @cached_property
     def key(self) -> str:
-        """Hash of all of it but the store's place."""
+        """Hash of all of it but the places of files."""
         shaping = {
             "format": [SHOT_FORMAT, SHOT_VERSION, THUMBNAIL_PX],
             "scenario": self.scenario.fingerprint(),
@@ -142,9 +147,22 @@ def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> F
             else radiance
             for group, radiance in light[exposure.band].items()
         }
-        images[exposure.band] = compose(world, groups, exposure, shot.exposure_ms, RUN)
+        depth_m = _depth_m(shot, exposure.band)
+        images[exposure.band] = compose(world, groups, exposure, shot.exposure_ms, RUN, depth_m)
     time_s = world.scenario.times_s[0]
     return Frame(0, time_s, images[800], images[850], shot.exposure_ms)
+
+
+def _depth_m(shot: Shot, band: int) -> Radiance | None:
+    if band not in shot.depth:
+        return None
+    channels = read_exr(shot.depth[band])
+    if channels is None:
+        raise StorageError(
+            f"expected the depth of each pixel at {shot.depth[band]}, found it absent or damaged; "
+            "run the same command again to bring it back"
+        )
+    return np.asarray(channels["Z"], dtype=np.float32)
 
 
 def read_shot(out: Path, shot: Shot) -> ShotRecord | None:

@@ -63,6 +63,8 @@ class Sweep:
     """how Mitsuba computes; auto takes the fastest that renders here"""
     store: OptionalFolder = None
     """where rendered light is kept"""
+    store_budget_gb: OptionalNumber = None
+    """what that may take; the longest unused goes first (20, else $RVBENCH_STORE_BUDGET_GB)"""
     threads: OptionalCount = None
     """cores to use; all unless given"""
     memory_gb: Annotated[float, arg(metavar="NUMBER")] = 4.0
@@ -96,6 +98,7 @@ class Sweep:
             "marker_samples": self.marker_samples,
             "variant": self.variant,
             "store": self.store,
+            "store_budget_gb": self.store_budget_gb,
             "threads": self.threads,
             "memory_gb": self.memory_gb,
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from models.camera import camera_preset
 from models.errors import ScenarioError
-from models.lights.sun_grid import chosen_suns
+from models.lights.sun_grid import NamedSun, chosen_suns
 from renders.batch import Studio
 from renders.light_groups import LampGroup, SunGroup
 from renders.light_keys import LightKeys
@@ -41,11 +42,13 @@ def scenario() -> Scenario:
     return table.model_copy(update={"render": render})
 
 
-def pose_light(scenario: Scenario, store: Path) -> PoseLight:
+def pose_light(
+    scenario: Scenario, store: Path, suns: Sequence[NamedSun] = tuple(SUNS)
+) -> PoseLight:
     world = World(scenario_at(scenario, TIME_S))
     keys = LightKeys(world, "jit")
     assert world.target.markers is not None
-    return PoseLight(Studio(world, RadianceStore(store), keys, world.target.markers), SUNS)
+    return PoseLight(Studio(world, RadianceStore(store), keys, world.target.markers), suns)
 
 
 def absent_of(light: PoseLight) -> set[str]:
@@ -77,6 +80,13 @@ def test_a_batch_stays_within_the_memory_given(width: int) -> None:
         suns_in_a_batch(camera, 0.5)
     with pytest.raises(ScenarioError, match="expected --memory-gb of at least"):
         suns_in_a_batch(camera, float("nan"))
+    pair_bytes = 2 * 2 * width * width  # of half floats
+    for pairs in (4, 10, 1000):  # a batch and the lamps fit into half the store
+        suns = suns_in_a_batch(camera, 64.0, pairs * pair_bytes)
+        assert 1 <= suns < pairs
+        assert (suns + 1) * pair_bytes <= 0.5 * pairs * pair_bytes
+    with pytest.raises(ScenarioError, match="expected --store-budget-gb of at least"):
+        suns_in_a_batch(camera, 64.0, 3.9 * pair_bytes)
 
 
 def test_keys_are_those_of_a_single_run(scenario: Scenario, tmp_path: Path) -> None:
@@ -132,9 +142,9 @@ def test_light_does_not_depend_on_the_batches(scenario: Scenario, tmp_path: Path
     """To the bit: a pixel's random numbers depend on seed and pixel, not on the lights traced."""
     needs_jit()
     stored: list[dict[str, bytes]] = []
-    for most in (2, 48):
-        light = pose_light(scenario, tmp_path / str(most))
-        for batch in light.batches(range(len(SUNS)), absent_of(light), most):
+    for most in (1, 48):
+        light = pose_light(scenario, tmp_path / str(most), SUNS[:2])
+        for batch in light.batches(range(len(light.suns)), absent_of(light), most):
             light.trace(batch.groups)
         assert not absent_of(light)
         store = light.studio.store

@@ -73,6 +73,7 @@ def test_samples_reach_the_scenario():
         ({"time_s": (5.0,), "marker_samples": 0}, "--marker-samples of at least 1, got 0"),
         ({"time_s": (5.0,), "threads": 0}, "expected --threads of at least 1, got 0"),
         ({"time_s": (5.0,), "memory_gb": 0.1}, "--memory-gb of at least 1 for 1024"),
+        ({"time_s": (5.0,), "store_budget_gb": 0.001}, "--store-budget-gb of at least .* 1024"),
     ],
 )
 def test_what_cannot_be_is_refused_with_what_can(options, told):

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from bench import api
-from bench.sweep import plan
-from bench.sweep import run as sweep_run
+from bench.sweep import plan, stages
 from bench.sweep.outcome import write_outcome
 from bench.sweep.run import SweepResult
 from bench.sweep.shots import read_shot
@@ -42,17 +41,17 @@ def flip(path: Path) -> None:
     path.write_bytes(data)
 
 
-def inodes(folder: Path) -> dict[str, int]:
+def inodes(folder: Path, pattern: str = "*.*") -> dict[str, int]:
     """Return which files stand where; one written again is another (reading may date an entry)."""
-    return {str(path.relative_to(folder)): path.stat().st_ino for path in folder.rglob("*.*")}
+    return {str(path.relative_to(folder)): path.stat().st_ino for path in folder.rglob(pattern)}
 
 
 def test_a_sweep_done_is_not_done_again(sweep: SmallSweep, traced: Traced) -> None:
-    before = inodes(sweep.out / "shots") | inodes(sweep.store.folder)
+    before = inodes(sweep.out / "shots") | inodes(sweep.store.folder, "*.exr")
     result, said = sweep.run()
     assert traced() == []
     assert "to trace: 0 light groups; 3 of 3 pairs are done already" in said
-    assert inodes(sweep.out / "shots") | inodes(sweep.store.folder) == before
+    assert inodes(sweep.out / "shots") | inodes(sweep.store.folder, "*.exr") == before
     assert [row.sun for row in result.rows] == ["S2", "S2", "90/30", "90/30", "0/-90", "0/-90"]
     assert {row.verdict for row in result.rows if row.pipeline == "best"} <= {
         "all found", "some missed",
@@ -60,11 +59,11 @@ def test_a_sweep_done_is_not_done_again(sweep: SmallSweep, traced: Traced) -> No
 
 
 def test_exposures_and_lamp_powers_cost_no_light(sweep: SmallSweep, traced: Traced) -> None:
-    before = inodes(sweep.store.folder)
+    before = inodes(sweep.store.folder, "*.exr")
     result, said = sweep.run(exposure_ms=(0.001, 0.002), lamp_w_sr=(3.0, 12.0), pipeline="best")
     assert traced() == []
     assert "to trace: 0 light groups; 0 of 12 pairs are done already" in said
-    assert inodes(sweep.store.folder) == before
+    assert inodes(sweep.store.folder, "*.exr") == before
     assert len(result.settings) == 4
     assert len(result.rows) == 12
     assert len({(row.exposure_ms, row.lamp_w_sr) for row in result.rows}) == 4
@@ -94,7 +93,7 @@ def test_killed_in_the_light_it_goes_on_without_redoing(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(sweep_run, "take_shots", killed)
+        patched.setattr(stages, "take_shots", killed)
         with pytest.raises(KeyboardInterrupt):
             sweep.run(**fresh)
     assert traced() == [["sun_S2"]] * 2  # 800 and 850 nm
@@ -159,7 +158,7 @@ def test_light_lost_between_tracing_and_exposing_is_traced_again(
     result, _ = sweep.run()
     for path in (sweep.out / "shots").iterdir():
         path.unlink()
-    really, count = sweep_run.take_shots, []
+    really, count = stages.take_shots, []
 
     def robbed(*arguments: object) -> bool:
         count.append(1)
@@ -167,7 +166,7 @@ def test_light_lost_between_tracing_and_exposing_is_traced_again(
             sun_entry(sweep, result, 850).unlink()
         return really(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(sweep_run, "take_shots", robbed)
+    monkeypatch.setattr(stages, "take_shots", robbed)
     again, _ = sweep.run()
     assert traced() == [["sun_S2"]]
     assert again.rows == result.rows
