@@ -15,22 +15,26 @@ from functools import cached_property
 
 import numpy as np
 
+from models.arrays import Radiance
 from models.camera import Camera
-from models.errors import ScenarioError, StorageError
+from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun
 from models.pose import RigidTransform
 from renders.batch import Studio
+from renders.kept_light import GROUP_BYTES
 from renders.light_groups import LightGroup
 from renders.replay import lit_by
 from renders.scenario import Scenario
+from renders.store_budget import GB
 from renders.truth import ExposureTruth
-from renders.world import Exposure, World
+from renders.world import BANDS, Exposure, World
 
 MOST_SUNS = 48  # in one pass: beyond it, what Suns share of a pass is too little to be worth memory
 BYTES_PER_SAMPLE_SUM = 4
 COPIES = 6  # of each group's sums: in and out of the kernel, on its way to NumPy, to half floats
 LEAST_GB, SCENE_GB = 1.0, 0.5  # the scene and the libraries take the second before any Sun does
 GIBI = 2**30
+LEAST_KEPT = 2.0  # pairs of exposures in half of a store's budget: the lamps' and one Sun's
 
 
 @dataclass(frozen=True)
@@ -65,14 +69,16 @@ def scenario_at(scenario: Scenario, time_s: float, sun: str | None = None) -> Sc
     return scenario.model_copy(update={"motion": motion, "sun": shining})
 
 
-def suns_in_a_batch(camera: Camera, memory_gb: float) -> int:
-    """Return how many Suns one pass may carry so that their sums stay within a memory bound.
+def suns_in_a_batch(camera: Camera, memory_gb: float, store_bytes: float = np.inf) -> int:
+    """Return how many Suns one pass may carry: their sums in memory, their light in the store.
 
     Parameters
     ----------
     camera : Camera
     memory_gb : float, GiB
         For the whole process: scene, sums and copies.
+    store_bytes : float
+        The store's budget, half of which a batch may take.
 
     Raises
     ------
@@ -87,7 +93,15 @@ def suns_in_a_batch(camera: Camera, memory_gb: float) -> int:
             f"expected --memory-gb of at least {least_gb:g} for {camera.width} x {camera.height} "
             f"pixels, got {memory_gb:g}; give more, or a smaller --width"
         )
-    return int(min(MOST_SUNS, room / each))
+    pair = len(BANDS) * GROUP_BYTES * camera.width * camera.height
+    most_kept, least_bytes = 0.5 * store_bytes / pair, 2.0 * LEAST_KEPT * pair
+    if store_bytes < least_bytes:
+        raise ScenarioError(
+            f"expected --store-budget-gb of at least {least_bytes / GB:.2g} for a sweep "
+            f"at {camera.width} x {camera.height} pixels, got {store_bytes / GB:g}; give more, or "
+            "a smaller --width"
+        )
+    return int(min(MOST_SUNS, room / each, most_kept - 1.0))
 
 
 def even_batches(count: int, most: int) -> list[range]:
@@ -201,23 +215,11 @@ class PoseLight:
             images = self.studio.trace(
                 exposure, self.poses[exposure.band], [each.group for each in lit]
             )
-            for each in lit:
-                self.studio.store.write(each.key, images.pop(each.group.name))
+            self.studio.store.write_all({each.key: images[each.group.name] for each in lit})
 
-    def require(self, keys: Mapping[str, str]) -> None:
-        """Refuse a store that has lost what was just written to it.
-
-        Raises
-        ------
-        StorageError
-        """
-        lost = [name for name, key in keys.items() if self.studio.store.read(key) is None]
-        if lost:
-            raise StorageError(
-                f"expected to read back {', '.join(lost)} from the store "
-                f"{self.studio.store.folder}, got nothing or something else; choose another "
-                "--store on a disk that keeps it"
-            )
+    def depth_m(self, band: int) -> Radiance:
+        """Trace the depth of each pixel in one exposure, m, 0 in space: a lens's focus needs it."""
+        return self.studio.pixel_truth(self.poses[band]).depth_m
 
     def truth(self) -> tuple[ExposureTruth, dict[str, list[float]]]:
         """Return the truth of the 850 nm exposure, and how much each Sun lights of each marker.
