@@ -96,7 +96,8 @@ def test_light_that_has_left_the_store_comes_back_for_more_runs(whole_run, tmp_p
     shutil.copytree(whole_run.out, out, copy_function=shutil.copy2)
     shutil.copytree(whole_run.store, store, copy_function=shutil.copy2)
     lit = json.loads((out / "truth" / "light.json").read_text())["exposures"]
-    keys = sorted(key for names in lit.values() for key in names.values())
+    shining = ("sun_S2", "lamps_800", "lamps_850")  # more runs miss no light of another Sun
+    keys = sorted(names[name] for names in lit.values() for name in names if name in shining)
     entries = [store / key[:2] / f"{key}.exr" for key in keys]  # light, not pixel truth
     entries[0].unlink()
     entries[1].write_bytes(entries[1].read_bytes()[:500])
