@@ -1,0 +1,92 @@
+"""One pose of a sweep with all that is to be tried on it: Suns, exposures, lamp powers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+from bench.sweep.folder import (
+    depth_path,
+)
+from bench.sweep.plan import SweepPlan, SweepPose
+from bench.sweep.shots import Shot, read_shot
+from bench.sweep.table import Setting
+from models.frame import FlightKnowledge
+from renders.batch import Studio
+from renders.light_keys import LightKeys
+from renders.store import RadianceStore
+from renders.sweep_batches import PoseLight, scenario_at
+from renders.world import BANDS, World
+
+
+@dataclass(eq=False)
+class PoseWork:
+    """One pose with everything that is to be tried on it.
+
+    Attributes
+    ----------
+    pose : SweepPose
+    light : PoseLight
+    knowledge : FlightKnowledge
+    settings : list of Setting
+    shots : list of lists of Shot
+        By Sun, then as ``settings``.
+    """
+
+    pose: SweepPose
+    light: PoseLight
+    knowledge: FlightKnowledge
+    settings: list[Setting]
+    shots: list[list[Shot]]
+
+    def missing_shots(self, out: Path, sun: int) -> list[Shot]:
+        """Return the shots under one Sun that have not been taken."""
+        return [shot for shot in self.shots[sun] if read_shot(out, shot) is None]
+
+
+def pose_work(
+    plan: SweepPlan, pose: SweepPose, world: World, store: RadianceStore, variant: str
+) -> PoseWork:
+    """Return the work on a pose.
+
+    Parameters
+    ----------
+    plan : SweepPlan
+    pose : SweepPose
+    world : World
+        Of that one frame; see ``renders.sweep_batches.scenario_at``.
+    store : RadianceStore
+    variant : str
+        The full name of Mitsuba's.
+    """
+    knowledge = world.knowledge(run=0)
+    keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
+    light = PoseLight(Studio(world, store, keys, knowledge.markers), plan.suns)
+    own_lamps_w_sr = plan.scenario.lamps.intensity_w_sr
+    own_ms = world.frame_entries(knowledge.prior)[0].exposure_ms
+    settings = [
+        Setting(pose.time_s, pose.range_m, exposure_ms, lamp_w_sr)
+        for exposure_ms, lamp_w_sr in product(
+            dict.fromkeys(plan.request.exposure_ms or (own_ms,)),
+            dict.fromkeys(plan.request.lamp_w_sr or (own_lamps_w_sr,)),
+        )
+    ]
+    focused = plan.scenario.optics.focus_m > 0.0
+    depth = {band: depth_path(plan.request.out, pose, band) for band in BANDS if focused}
+    shots = [
+        [
+            Shot(
+                scenario=scenario_at(plan.scenario, pose.time_s, sun.text),
+                store=store.folder,
+                light=light.keys(number),
+                exposure_ms=setting.exposure_ms,
+                lamp_factor=setting.lamp_w_sr / own_lamps_w_sr,
+                pipelines=plan.pipelines,
+                depth=depth,
+            )
+            for setting in settings
+        ]
+        for number, sun in enumerate(plan.suns)
+    ]
+    return PoseWork(pose, light, knowledge, settings, shots)
