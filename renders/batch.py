@@ -40,7 +40,6 @@ from renders.light_keys import LightKeys
 from renders.replay import (
     exposed_frames,
     light_record,
-    lit_by,
     lit_otherwise,
     needed_keys,
     read_depth,
@@ -97,7 +96,7 @@ class Studio:
         if there is not None:
             return there
         images = self._traced_and_kept(exposure, cam_from_target, keys)
-        return {group: images[group.name] for group in lit_by(self.world, exposure.band)}
+        return {group: images[group.name] for group in self.world.lit_by(exposure.band)}
 
     def every_group(
         self, exposure: Exposure, cam_from_target: RigidTransform
@@ -118,7 +117,7 @@ class Studio:
         halves = {name: as_half(image) for name, image in traced.items()}
         if self.kept.keeps_whole(exposure.frame):
             self.store.write_all({keys[name]: half for name, half in halves.items()})
-            for group in lit_by(self.world, exposure.band):
+            for group in self.world.lit_by(exposure.band):
                 self._check_kept(keys[group.name], halves[group.name])
         return {name: half.astype(np.float32) for name, half in halves.items()}
 
@@ -305,7 +304,7 @@ def _render_exposure(
         by_name = studio.every_group(exposure, cam_from_target)
         windows = windows_by_marker(studio.markers, studio.world.camera, cam_from_target)
         write_windows(writer.windows_path(exposure.frame, exposure.band), windows, by_name)
-        groups = {group: by_name[group.name] for group in lit_by(studio.world, exposure.band)}
+        groups = {group: by_name[group.name] for group in studio.world.lit_by(exposure.band)}
     else:
         groups = studio.light(exposure, cam_from_target)
     _put_pixel_truth(studio, writer, exposure, cam_from_target)

@@ -2,7 +2,8 @@
 
 In ``scalar_rgb`` a Python integrator would be a thousand times too slow, so each group becomes
 emitters that Mitsuba has: the Sun is a directional light that walks over its disc from pass to
-pass, and an LED is a spot light whose beam is a projected bitmap of ``cos^n``.
+pass, an LED is a spot light whose beam is a projected bitmap of ``cos^n``, and the Earth is an
+environment map.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ import numpy as np
 from models.arrays import Floats, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
-from renders.light_groups import LampGroup, LightGroup, SunGroup
+from renders.light_groups import EarthGroup, LampGroup, LightGroup, SunGroup
 from renders.scene import SceneGeometry, place_chaser
 from renders.windows import Window, render_windows
 
 BEAM_CUTOFF_DEG = 60.0  # cos^7 has fallen to 1 % there, far outside the field of view
 BEAM_BITMAP = 512
+EARTH_ROWS = 1024  # of the map; the disc at GEO is a hundred columns wide
+TEXEL_SAMPLES = 8  # along each side of a texel of that map
 SUN_PASSES = 16  # places on the Sun's disc; with 4 the mean is 0.4 % off, with 16 none is seen
 
 
@@ -98,6 +101,47 @@ def _lamp_emitters(group: LampGroup, cam_from_target: RigidTransform) -> dict[st
     }
 
 
+def _earth_emitter(group: EarthGroup) -> dict[str, Any]:
+    """Environment map with the Earth on its horizon, at its middle column.
+
+    Each texel is the mean of what it covers, so that the limb keeps its place.
+    """
+    towards = np.asarray(group.earth.direction_in_target)
+    up = np.eye(3)[int(np.argmin(np.abs(towards)))]
+    to_world = np.eye(4)
+    to_world[:3, 0] = np.cross(up, towards) / np.linalg.norm(np.cross(up, towards))
+    to_world[:3, 1] = np.cross(towards, to_world[:3, 0])
+    to_world[:3, 2] = towards
+    row, column = np.mgrid[0:EARTH_ROWS, 0 : 2 * EARTH_ROWS].astype(np.float64)
+    texel = np.pi / EARTH_ROWS
+    edge = np.arcsin(group.earth.sine_of_radius) + 2.0 * texel
+    near = _map_directions(row, column)[..., 2] > np.cos(edge)
+    pixels = np.zeros((EARTH_ROWS, 2 * EARTH_ROWS, 3), dtype=np.float32)
+    offsets = (np.arange(TEXEL_SAMPLES) + 0.5) / TEXEL_SAMPLES - 0.5
+    for down in offsets:
+        for right in offsets:
+            local = _map_directions(row[near] + down, column[near] + right)
+            light = group.earth.radiance(local @ to_world[:3, :3].T)
+            pixels[near, group.channel] += light / TEXEL_SAMPLES**2
+    return {
+        "type": "envmap",
+        "bitmap": mi.Bitmap(pixels),
+        "to_world": mi.ScalarTransform4f(to_world),
+    }
+
+
+def _map_directions(row: Floats, column: Floats) -> Floats:
+    """Return the unit directions of places on an environment map, in the map's own axes.
+
+    Mitsuba's map has row j at polar angle pi j / (rows - 1) from +y, and column i at azimuth
+    2 pi (i + 1/2) / columns, from -z towards +x (measured: 3.9 shifts columns and not rows).
+    """
+    polar = np.pi * row / (EARTH_ROWS - 1)
+    azimuth = np.pi * (column + 0.5) / EARTH_ROWS
+    sine = np.sin(polar)
+    return np.stack([np.sin(azimuth) * sine, np.cos(polar), -np.cos(azimuth) * sine], axis=-1)
+
+
 def render_group(
     geometry: SceneGeometry,
     camera: Camera,
@@ -120,6 +164,8 @@ def render_group(
     if isinstance(group, SunGroup):
         directions = list(sun_disc_directions(group, min(SUN_PASSES, samples)))
         scene = geometry.scene(sun=_sun_emitter(group))
+    elif isinstance(group, EarthGroup):
+        scene = geometry.scene(earth=_earth_emitter(group))
     else:
         scene = geometry.scene(**_lamp_emitters(group, cam_from_target))
     place_chaser(scene, geometry, cam_from_target)

@@ -19,11 +19,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from models.arrays import AnyArray, Radiance
+from models.arrays import AnyArray, Floats, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
 from renders.camera_plugin import ray_direction_in_cam
-from renders.light_groups import LampGroup, LightGroup, SunGroup
+from renders.light_groups import EarthGroup, LampGroup, LightGroup, SunGroup
 from renders.sample_sequence import points_2d
 
 PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED and lobe, lobe
@@ -31,14 +31,19 @@ LANE_SAMPLES = 16  # a pixel with more samples is shared by several lanes: no co
 
 
 class SunLight:
-    """A Sun group as the kernel samples it."""
+    """A Sun group as the kernel samples it.
+
+    Its disc is a twentieth as wide as the narrowest lobe (GGX 0.05), so that sampling the disc
+    alone leaves next to no noise: no multiple importance sampling.
+    """
+
+    wide = False
 
     def __init__(self, group: SunGroup) -> None:
-        direction = np.asarray(group.direction_in_target)
         self.channel = group.channel
         self.radius = group.sine_of_radius
         self.irradiance = dr.opaque(mi.Float, group.irradiance_w_m2)
-        self.direction = mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in direction))
+        self.direction = _opaque_vector(group.direction_in_target)
 
     def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
         """Return (unit direction to the light, distance or inf, irradiance facing it)."""
@@ -48,8 +53,48 @@ class SunLight:
         return towards, mi.Float(dr.inf), self.irradiance
 
 
+class EarthLight:
+    """An Earth group as the kernel samples it: uniformly within its disc.
+
+    Glossy surfaces see it as a picture, so light and lobe are both sampled, and weighed by the
+    power heuristic (Veach 1997, equation 9.13).
+    """
+
+    wide = True
+
+    def __init__(self, group: EarthGroup) -> None:
+        earth = group.earth
+        self.channel = group.channel
+        self.reach = dr.opaque(mi.Float, 1.0 / earth.sine_of_radius)
+        self.cosine = dr.opaque(mi.Float, float(np.sqrt(1.0 - earth.sine_of_radius**2)))
+        self.density = dr.opaque(mi.Float, 1.0 / earth.solid_angle_sr)
+        self.level = dr.opaque(mi.Float, earth.albedo * earth.sun_irradiance_w_m2 / np.pi)
+        self.centre = _opaque_vector(earth.direction_in_target)
+        self.sun = _opaque_vector(earth.sun_dir_in_target)
+
+    def radiance(self, direction: Any) -> Any:
+        """Return what comes from a direction; ``models.lights.earth`` has the same for arrays."""
+        along = dr.dot(direction, self.centre)
+        inside = 1.0 - self.reach * self.reach * (1.0 - along * along)
+        distance = self.reach * along - dr.sqrt(dr.maximum(inside, 0.0))
+        normal = distance * direction - self.reach * self.centre
+        lit = self.level * dr.maximum(dr.dot(normal, self.sun), 0.0)
+        return dr.select((inside > 0.0) & (along > 0.0), lit, 0.0)
+
+    def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
+        """Return (unit direction to a place on the Earth, inf, irradiance facing it)."""
+        squared = dr.squared_norm(disc)
+        cosine = 1.0 - squared * (1.0 - self.cosine)
+        sine_over_radius = dr.sqrt((1.0 - self.cosine) * (1.0 + cosine))
+        local = mi.Vector3f(disc.x * sine_over_radius, disc.y * sine_over_radius, cosine)
+        towards = mi.Frame3f(self.centre).to_world(local)
+        return towards, mi.Float(dr.inf), self.radiance(towards) / self.density
+
+
 class LampLight:
     """A lamp group as the kernel samples it: one LED of the ring, chosen uniformly."""
+
+    wide = False
 
     def __init__(self, group: LampGroup, cam_from_target: RigidTransform) -> None:
         target_from_cam = cam_from_target.inverse()
@@ -60,8 +105,7 @@ class LampLight:
         points = np.asarray(group.points_in_target(cam_from_target), dtype=np.float32)
         self.points = mi.Float(points.ravel())
         dr.make_opaque(self.points)
-        axis = target_from_cam.rotation[:, 2]
-        self.axis = mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in axis))
+        self.axis = _opaque_vector(target_from_cam.rotation[:, 2])
 
     def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
         """Return (unit direction to the LED, distance, irradiance facing it)."""
@@ -76,11 +120,25 @@ class LampLight:
         return towards, distance, self.intensity * beam / squared
 
 
-def light_of(group: LightGroup, cam_from_target: RigidTransform) -> SunLight | LampLight:
+def _opaque_vector(components: Sequence[float] | Floats) -> Any:
+    return mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in components))
+
+
+def light_of(
+    group: LightGroup, cam_from_target: RigidTransform
+) -> SunLight | EarthLight | LampLight:
     """Return the kernel's view of a group."""
     if isinstance(group, SunGroup):
         return SunLight(group)
+    if isinstance(group, EarthGroup):
+        return EarthLight(group)
     return LampLight(group, cam_from_target)
+
+
+def power_share(one: Any, other: Any) -> Any:
+    """Return the power heuristic's weight of ``one`` density beside ``other``, exponent two."""
+    ratio = other / one
+    return 1.0 / (1.0 + ratio * ratio)
 
 
 @dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
@@ -93,6 +151,7 @@ def _trace(
     last: Any,
     width: Any,
     max_depth: Any,
+    segments: Any,
     key: Any,
 ) -> Any:
     """Return a list of radiance sums, one array over the pixels for each light."""
@@ -107,29 +166,39 @@ def _trace(
         throughput = mi.Color3f(1.0)
         depth = mi.UInt32(0)
         active = mi.Bool(True)
+        lobe_density = mi.Float(dr.inf)  # of the ray's direction; the camera's rays are certain
         while active:
             si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
-            active &= si.is_valid()
+            escaped = active & ~si.is_valid()
+            active &= si.is_valid() & (depth < max_depth)
             bsdf = si.bsdf(ray)
             pair = 1 + depth * PAIRS_PER_VERTEX
             disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))
             choice = points_2d(index, key, pair + 1)
             for number, light in enumerate(lights):
+                if dr.hint(light.wide, mode="scalar"):
+                    arrived = throughput[light.channel] * light.radiance(ray.d)
+                    arrived *= power_share(lobe_density, light.density)
+                    sums[number] += dr.select(escaped, arrived, 0.0)
                 towards, distance, irradiance = light.sample(si.p, disc, choice.x)
                 wo = si.to_local(towards)
                 facing = active & (dr.dot(towards, si.n) * si.wi.z > 0.0) & (irradiance > 0.0)
                 value = bsdf.eval(context, si, wo, facing)
                 share = value[light.channel] * throughput[light.channel] * irradiance
+                if dr.hint(light.wide, mode="scalar"):
+                    density = bsdf.pdf(context, si, wo, facing)
+                    share *= power_share(light.density, density)
                 facing &= share > 0.0
                 shadow = si.spawn_ray(towards)
                 shadow.maxt = distance * (1.0 - 1e-4)
                 dark = scene.ray_test(shadow, depth == 0, facing)
                 sums[number] += dr.select(facing & ~dark, share, 0.0)
             depth += 1
-            active &= depth < max_depth
+            active &= depth < segments
             lobe = points_2d(index, key, pair + 2)
             bsdf_sample, weight = bsdf.sample(context, si, choice.y, lobe, active)
             throughput *= weight
+            lobe_density = bsdf_sample.pdf
             active &= dr.any(throughput > 0.0)
             ray = si.spawn_ray(si.to_world(bsdf_sample.wo))
         index += 1
@@ -193,6 +262,8 @@ def trace_groups(
         return mi.Ray3f(lens, dr.normalize(direction))
 
     lights = [light_of(group, cam_from_target) for group in groups]
+    # A wide light is also met by the ray that leaves a path's last surface.
+    segments = max_depth + 1 if any(light.wide for light in lights) else max_depth
     shares = lanes_per_pixel(samples)
     each = samples // shares
     pixel_of_lane = np.repeat(np.asarray(pixels, dtype=np.uint32), shares)
@@ -208,6 +279,7 @@ def trace_groups(
         first + dr.opaque(mi.UInt32, each),
         mi.UInt32(camera.width),
         dr.opaque(mi.UInt32, max_depth),
+        dr.opaque(mi.UInt32, segments),
         pixel_keys(seed, lanes),
     )
     dr.eval(sums)

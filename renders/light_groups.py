@@ -13,6 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from models.arrays import Floats
+from models.lights.earth import Earth
 from models.lights.led_beam import LedRing
 from models.lights.sun import ANGULAR_DIAMETER_DEG, PASSBAND_IRRADIANCE_W_M2
 from models.pose import RigidTransform
@@ -48,13 +49,31 @@ class SunGroup:
 
 
 @dataclass(frozen=True)
-class LampGroup:
-    """One wavelength's LED ring at the camera.
+class EarthGroup:
+    """The Earth, lit by one Sun: it lights the target, and is seen where nothing hides it.
 
     Attributes
     ----------
     name : str
-        ``lamps_800`` or ``lamps_850``.
+        Such as ``earth_S2``.
+    earth : Earth
+    channel : int
+        The band in which sunlight is carried.
+    """
+
+    name: str
+    earth: Earth
+    channel: int = SUNLIGHT
+
+
+@dataclass(frozen=True)
+class LampGroup:
+    """One ring of LEDs on the chaser: a wavelength's, or a floodlight.
+
+    Attributes
+    ----------
+    name : str
+        ``lamps_800``, ``lamps_850`` or ``floodlight``.
     ring : LedRing
         Rendered at its own intensity; scale the group for another.
     channel : int
@@ -70,4 +89,4 @@ class LampGroup:
         return np.asarray(cam_from_target.inverse() @ self.ring.points_in_cam)
 
 
-LightGroup: TypeAlias = SunGroup | LampGroup
+LightGroup: TypeAlias = SunGroup | EarthGroup | LampGroup

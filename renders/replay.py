@@ -28,17 +28,12 @@ from renders.store_claims import Claim, held, read_claim
 from renders.world import BANDS, Exposure, World
 
 
-def lit_by(world: World, band: int) -> list[LightGroup]:
-    """Return the groups that light one exposure: the Sun, and the lamps of its band."""
-    return [world.sun, world.lamps(band)]
-
-
 def read_groups(
     store: RadianceStore, world: World, band: int, keys: Mapping[str, str]
 ) -> dict[LightGroup, Radiance] | None:
     """Read what lights one exposure, or None if an entry is absent or damaged."""
     groups: dict[LightGroup, Radiance] = {}
-    for group in lit_by(world, band):
+    for group in world.lit_by(band):
         radiance = store.read(keys[group.name]) if group.name in keys else None
         if radiance is None:
             return None
@@ -166,7 +161,7 @@ def needed_keys(world: World, keys: Mapping[tuple[int, int], Mapping[str, str]])
     return frozenset(
         names[group.name]
         for (_, band), names in keys.items()
-        for group in lit_by(world, band)
+        for group in world.lit_by(band)
         if group.name in names
     )
 

@@ -33,6 +33,7 @@ from renders.scenario_camera import (
     check_focus,
 )
 from renders.scenario_errors import explain
+from renders.scenario_lights import EarthTable, FloodlightTable, check_earth
 from renders.scenario_table import Table
 
 CASES = Path(__file__).resolve().parent.parent / "bench" / "cases"
@@ -117,6 +118,8 @@ class Scenario(Table):
     radiation: RadiationTable = RadiationTable()  # type: ignore[call-arg]
     lamps: LampsTable = LampsTable()  # type: ignore[call-arg]
     sun: SunTable = SunTable()  # type: ignore[call-arg]
+    earth: EarthTable = EarthTable()  # type: ignore[call-arg]
+    floodlight: FloodlightTable = FloodlightTable()  # type: ignore[call-arg]
     retroreflector: RetroreflectorTable = RetroreflectorTable()  # type: ignore[call-arg]
     motion: MotionTable = MotionTable()  # type: ignore[call-arg]
     render: RenderTable = RenderTable()  # type: ignore[call-arg]
@@ -293,6 +296,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
         )
     check_exposure(scenario.exposure, motion.pair_gap_ms, where)
     check_focus(scenario.optics, where)
+    check_earth(scenario.earth, where)
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
     camera_preset(scenario.camera.preset)

@@ -1,7 +1,7 @@
 """The light of many Suns on one pose, traced in batches that fit in memory, kept in the store.
 
 What ``rvbench run --sun`` would look for is what is put there, under the same keys: each Sun's own
-frame is lit by the groups that ``renders.replay.lit_by`` names. What several Suns share, such as
+frame is lit by the groups that ``World.lit_by`` names. What several Suns share, such as
 the lamps, is traced once. A batch's groups go to the store as soon as they are traced, so a killed
 sweep loses one batch.
 """
@@ -23,7 +23,6 @@ from models.pose import RigidTransform
 from renders.batch import Studio
 from renders.kept_light import GROUP_BYTES
 from renders.light_groups import LightGroup
-from renders.replay import lit_by
 from renders.scenario import Scenario
 from renders.store_budget import GB
 from renders.truth import ExposureTruth
@@ -142,7 +141,7 @@ class PoseLight:
             world = World(scenario.model_copy(update={"sun": table}))
             own = []
             for exposure in self.studio.world.exposures:
-                for group in lit_by(world, exposure.band):
+                for group in world.lit_by(exposure.band):
                     key = self.studio.keys.group(exposure, self.poses[exposure.band], group)
                     own.append(known.setdefault(key, GroupOfExposure(exposure, group, key)))
             found.append(own)

@@ -14,8 +14,9 @@ from models.camera import Camera
 from models.dataset import FrameEntry
 from models.errors import ScenarioError
 from models.frame import FlightKnowledge
+from models.lights.earth import Earth
 from models.lights.led_beam import LedRing
-from models.lights.sun import SUN_CASES_DEG, sun_direction
+from models.lights.sun import SUN_CASES_DEG, sun_direction, unit_direction
 from models.materials import BandReflectance
 from models.motion.approach import Approach
 from models.motion.prior import draw_prior
@@ -24,8 +25,16 @@ from models.spacecraft.catalogue import spacecraft_by_name
 from models.spacecraft.inside import is_inside
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.expose import electrons_per_radiance
-from renders.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
+from renders.expose import SUNLIGHT_NM, electrons_per_radiance
+from renders.light_groups import (
+    NIR800,
+    NIR850,
+    SUNLIGHT,
+    EarthGroup,
+    LampGroup,
+    LightGroup,
+    SunGroup,
+)
 from renders.scenario import Scenario
 
 PRIOR_DRAW, CALIBRATION_DRAW = 101, 102  # purposes that key a run's random numbers
@@ -120,9 +129,46 @@ class World:
             return shared
         return [*shared, self.sun]
 
+    def earth_under(self, sun: SunGroup) -> list[EarthGroup]:
+        """Return the Earth as a Sun lights it, if the scenario has one."""
+        table = self.scenario.earth
+        if not table.shines:
+            return []
+        x, y, z = unit_direction(table.direction).tolist()
+        earth = Earth(
+            (x, y, z),
+            sun.direction_in_target,
+            table.orbit_radius_km,
+            table.albedo,
+            sun.irradiance_w_m2,
+        )
+        return [EarthGroup(sun.name.replace("sun", "earth", 1), earth)]
+
+    @cached_property
+    def floodlights(self) -> list[LampGroup]:
+        """The floodlight, if the scenario has one."""
+        table = self.scenario.floodlight
+        if table.intensity_w_sr <= 0.0:
+            return []
+        ring = LedRing(
+            wavelength_nm=SUNLIGHT_NM,
+            intensity_w_sr=table.intensity_w_sr,
+            count=table.count,
+            radius_m=table.radius_m,
+            half_intensity_deg=table.half_intensity_deg,
+            centre_in_cam=table.centre_in_cam,
+        )
+        return [LampGroup("floodlight", ring, SUNLIGHT)]
+
+    def lit_by(self, band: int) -> list[LightGroup]:
+        """Return the groups that light one exposure under the scenario's Sun."""
+        lamps = [*self.floodlights, self.lamps(band)]
+        return [self.sun, *self.earth_under(self.sun), *lamps]
+
     def groups(self, band: int) -> list[LightGroup]:
         """Return every group that is rendered for an exposure of ``band``."""
-        return [*self.suns, self.lamps(band)]
+        earths = [earth for sun in self.suns for earth in self.earth_under(sun)]
+        return [*self.suns, *earths, *self.floodlights, self.lamps(band)]
 
     def render_seed(self, frame: int) -> int:
         """Return the seed of both exposures of a frame: their noise cancels in the difference."""

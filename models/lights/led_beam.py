@@ -27,6 +27,8 @@ class LedRing:
         Turn of the first LED from the camera's x axis; half a step interleaves the two rings.
     half_intensity_deg : float, deg
         Angle off axis at which the intensity has fallen to half.
+    centre_in_cam : tuple of 3 floats, m
+        Middle of the ring: the lens for the pair's lamps, elsewhere for a floodlight.
     """
 
     wavelength_nm: float
@@ -35,6 +37,7 @@ class LedRing:
     radius_m: float = 0.03
     phase_deg: float = 0.0
     half_intensity_deg: float = 25.0
+    centre_in_cam: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @cached_property
     def exponent(self) -> float:
@@ -49,9 +52,8 @@ class LedRing:
     def points_in_cam(self) -> Floats:
         """(count, 3) array, m: where the LEDs stand, camera axes, lens at the origin."""
         angles = np.deg2rad(self.phase_deg) + 2.0 * np.pi * np.arange(self.count) / self.count
-        return self.radius_m * np.stack(
-            [np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1
-        )
+        circle = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
+        return np.asarray(np.asarray(self.centre_in_cam) + self.radius_m * circle)
 
     def irradiance(self, points_in_cam: ArrayLike, normals_in_cam: ArrayLike) -> Floats:
         """Return the irradiance, W/m2, on unshadowed surface points.

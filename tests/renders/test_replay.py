@@ -9,7 +9,7 @@ import pytest
 
 from models.dataset import read_frames, read_knowledge
 from models.errors import DatasetError
-from renders.replay import compose, exposed_frames, lit_by, read_groups
+from renders.replay import compose, exposed_frames, read_groups
 from tests.renders.conftest import TinyDataset
 from tests.support.small_scenes import run_python
 
@@ -58,8 +58,8 @@ def test_the_two_bands_have_noise_of_their_own(rendered_once: TinyDataset) -> No
 
 def test_a_frame_is_lit_by_its_sun_and_the_lamps_of_its_band(rendered_once: TinyDataset) -> None:
     world = rendered_once.world
-    assert [group.name for group in lit_by(world, 800)] == ["sun_S2", "lamps_800"]
-    assert [group.name for group in lit_by(world, 850)] == ["sun_S2", "lamps_850"]
+    assert [group.name for group in world.lit_by(800)] == ["sun_S2", "lamps_800"]
+    assert [group.name for group in world.lit_by(850)] == ["sun_S2", "lamps_850"]
 
 
 def test_replaying_loads_no_renderer(rendered_once: TinyDataset) -> None:

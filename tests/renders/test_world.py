@@ -12,7 +12,8 @@ import pytest
 from models.errors import ScenarioError
 from models.lights.sun import sun_direction
 from models.pose import RigidTransform
-from renders.scenario import RenderRequest, Scenario, case_names, resolve
+from renders.light_groups import EarthGroup
+from renders.scenario import RenderRequest, Scenario, case_names, check_scenario, resolve
 from renders.world import World, sun_group
 
 REQUEST = RenderRequest("maxar-approach", Path("unused"), rate_hz=0.05)
@@ -91,6 +92,38 @@ def test_the_two_rings_interleave() -> None:
     np.testing.assert_allclose(np.diff(np.sort(np.mod(np.round(angles, 6), 360))), 22.5)
 
 
+def test_each_sun_has_its_own_earth_and_no_scenario_has_one_unasked() -> None:
+    plain = world()
+    assert not any(group.name.startswith("earth") for group in plain.groups(850))
+    assert [group.name for group in plain.lit_by(800)] == ["sun_S2", "lamps_800"]
+    lit = world_with(earth={"shines": True, "direction": (0.0, 0.0, -2.0)})
+    suns = {sun.name: sun for sun in lit.suns}
+    earths = [group for group in lit.groups(850) if isinstance(group, EarthGroup)]
+    assert [group.name for group in earths] == [name.replace("sun", "earth") for name in suns]
+    for group in earths:
+        sun = suns[group.name.replace("earth", "sun")]
+        assert group.earth.sun_dir_in_target == sun.direction_in_target
+        assert group.earth.direction_in_target == (0.0, 0.0, -1.0)
+    assert [group.name for group in lit.lit_by(850)] == ["sun_S2", "earth_S2", "lamps_850"]
+
+
+def test_a_floodlight_shines_in_both_exposures_through_the_camera_s_filter() -> None:
+    lit = world_with(floodlight={"intensity_w_sr": 40.0, "centre_in_cam": (0.4, 0.0, 0.1)})
+    (lamp,) = lit.floodlights
+    assert lamp.channel == lit.sun.channel
+    np.testing.assert_allclose(lamp.ring.points_in_cam.mean(axis=0), [0.4, 0.0, 0.1], atol=1e-12)
+    for band in (800, 850):
+        assert lamp in lit.lit_by(band)
+        assert lamp in lit.groups(band)
+
+
+def test_an_earth_in_no_direction_is_refused() -> None:
+    table = resolve(REQUEST).model_dump()
+    table["earth"]["direction"] = (0.0, 0.0, 0.0)
+    with pytest.raises(ScenarioError, match=r"earth\.direction of three numbers, not all zero"):
+        check_scenario(Scenario(**table), "mine.toml")
+
+
 def test_both_exposures_of_a_frame_share_a_seed_and_no_two_frames_do() -> None:
     lit, again, otherwise = world(), world(), world_with(render={"seed": 2})
     seeds = [lit.render_seed(frame) for frame in range(200)]
@@ -164,8 +197,8 @@ def test_exposure_times_follow_the_prior_and_nothing_truer() -> None:
     for time_s in (start_s, end_s):
         assert lit.exposure_ms(time_s, far) > lit.exposure_ms(time_s, prior)
         assert lit.exposure_ms(time_s, prior) == still.exposure_ms(time_s, prior)
-    truth = [w.approach.cam_from_target(end_s).matrix() for w in (lit, still)]
-    assert not np.allclose(*truth, atol=1e-3)  # the two targets do lie otherwise
+    swaying, steady = (w.approach.cam_from_target(end_s).matrix() for w in (lit, still))
+    assert not np.allclose(swaying, steady, atol=1e-3)  # the two targets do lie otherwise
 
 
 def test_frames_know_no_more_than_index_time_and_exposure() -> None:
