@@ -11,6 +11,7 @@ from typing import TypeAlias
 import numpy as np
 import pytest
 
+from bench.cli import main
 from models.arrays import Radiance
 from models.errors import DatasetError, ScenarioError
 from models.pose import RigidTransform
@@ -271,6 +272,31 @@ def test_a_run_claims_its_light_while_it_lives_and_leaves_a_record(
     (record,) = read_claims(dataset.store.folder)
     assert (record.case, record.sun, record.keys) == ("maxar-demo", "S2", keys)
     assert record.dataset == dataset.folder
+
+
+# Damage
+
+
+@pytest.mark.parametrize("place", [-100, b"screenWindowWidth"], ids=["pixels", "header"])
+@pytest.mark.parametrize("verified", [False, True], ids=["a run meets it", "verify deletes it"])
+def test_a_flipped_byte_is_found_and_that_entry_rendered_again_to_the_same_bits(
+    tiny: TinyDataset, traced_before: list[tuple[int, int]], place: int | bytes, verified: bool
+) -> None:
+    before = tiny.files()
+    entry = tiny.store.path(light_keys(tiny, "000001_850")["lamps_850"])
+    whole = entry.read_bytes()
+    damaged = bytearray(whole)
+    damaged[whole.index(place) if isinstance(place, bytes) else place] ^= 1
+    entry.write_bytes(bytes(damaged))
+    if verified:
+        assert main(["store", "verify", "--delete", "--store", str(tiny.store.folder)]) == 1
+        assert not entry.exists()
+    (tiny.folder / "frames" / "000001_850.png").unlink()
+    tiny.render()
+    assert traced_before == [(1, 850)]
+    assert entry.read_bytes() == whole
+    assert tiny.files() == before
+    assert main(["store", "verify", "--store", str(tiny.store.folder)]) == 0
 
 
 # What is asked for
