@@ -190,11 +190,6 @@ class Studio:
         self.build(cam_from_target)
         return pixel_truth(self.scene, self.geometry, self.world.camera, cam_from_target)
 
-    def shaping_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> frozenset[str]:
-        """Return the store keys of all that an exposure can be made of."""
-        groups = self.group_keys(exposure, cam_from_target).values()
-        return frozenset(groups) | {self.keys.geometry(exposure, cam_from_target)}
-
 
 def provenance(world: World, variant: str) -> dict[str, str]:
     """Return what made a dataset: versions, variant and the scenario's hash."""
@@ -265,7 +260,10 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         f"{len(there)} of {len(world.exposures)} exposures are there already",
         soft_wrap=True,
     )
-    shaping = {e: studio.shaping_keys(e, poses[e]) for e in world.exposures}
+    shaping = {
+        e: frozenset(light[e.frame, e.band].values()) | {keys.geometry(e, poses[e])}
+        for e in world.exposures
+    }
     needed = needed_keys(world, light) if request.seeds > 1 else frozenset[str]()
     every = frozenset[str]().union(*shaping.values())
     claim = Claim(info.case, info.sun, request.out, needed, every - needed)
