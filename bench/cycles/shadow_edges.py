@@ -2,7 +2,9 @@
 
 Where edges are is told by rays, not by the images: a pixel whose centre the Sun reaches beside one
 whose centre it does not, on the same smooth piece of surface. Across each such edge the brightness
-of either image falls from a lit level to a dark one, and half way down is the edge's place.
+of either image falls from a lit level to a dark one. The edge is where a sharp step would give as
+much light in all: pixels average over their area, so that place is kept where a half-way crossing
+strays by a tenth of a pixel.
 """
 
 from __future__ import annotations
@@ -15,9 +17,9 @@ from scipy import ndimage
 from models.arrays import Floats, Labels, Mask, Radiance
 
 TOLERANCE_PX = 0.5
-REACH_PX = 3.5  # of a profile, to either side of its edge
+REACH_PX = 4.0  # of a profile, to either side of its edge
 STEP_PX = 0.1
-PLATEAU_PX = 2.0  # from here on outwards a profile has its lit or its dark level
+PLATEAU_PX = 3.0  # from here on outwards a profile has its lit or its dark level
 SMOOTH_COSINE = 0.995  # between normals along a profile: shading alone moves nothing
 SOFTENED_PX = 1.5  # the mask of lit pixels, before its slope is taken
 UNSURE_PX = 1.5  # nearer to the edge than this, a pixel's centre may be lit or not
@@ -64,7 +66,9 @@ def find_edges(labels: Labels, normals: Radiance, facing: Mask, lit: Mask) -> Sh
     along = np.arange(-np.ceil(REACH_PX), np.ceil(REACH_PX) + 1.0)
     places = np.rint(points[:, None, :] + along[None, :, None] * directions[:, None, :])
     height, width = labels.shape
-    inside = ((places >= 0) & (places < [width, height])).all(axis=(1, 2))
+    border = np.ceil(4.0 * SOFTENED_PX)  # nearer than this the slope is not to be trusted
+    inside = (places >= 0.0).all(axis=(1, 2)) & (places < [width, height]).all(axis=(1, 2))
+    inside &= ((points >= border) & (points < [width - border, height - border])).all(axis=1)
     points, directions, places = points[inside], directions[inside], places[inside].astype(np.intp)
     at = (places[..., 1], places[..., 0])
     centre = normals[points[:, 1].astype(np.intp), points[:, 0].astype(np.intp)]
@@ -80,23 +84,19 @@ def edge_places(image: Radiance, edges: ShadowEdges) -> Floats:
 
     A profile is clear if it has two flat levels, the lit one at least twice the dark one.
     """
-    along = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
+    along = np.linspace(-REACH_PX, REACH_PX, 2 * round(REACH_PX / STEP_PX) + 1)
     places = edges.points_px[:, None, :] + along[None, :, None] * edges.directions[:, None, :]
     rows_columns = [places[..., 1], places[..., 0]]
     profiles = ndimage.map_coordinates(image.astype(np.float64), rows_columns, order=1)
     dark, bright = profiles[:, along <= -PLATEAU_PX], profiles[:, along >= PLATEAU_PX]
     low, high = dark.mean(axis=1), bright.mean(axis=1)
     fall = high - low
-    middle = 0.5 * (low + high)
-    above = profiles >= middle[:, None]
-    first = np.argmax(above, axis=1)
-    row = np.arange(len(profiles))
-    before, after = profiles[row, np.maximum(first - 1, 0)], profiles[row, first]
-    share = (middle - before) / np.where(after > before, after - before, 1.0)
-    crossing = along[np.maximum(first - 1, 0)] + share * STEP_PX
+    share = (profiles - low[:, None]) / np.where(fall > 0.0, fall, 1.0)[:, None]
+    lit_px = (share[:, 1:] + share[:, :-1]).sum(axis=1) * 0.5 * STEP_PX
+    places_px = REACH_PX - lit_px
     flat = np.maximum(np.ptp(dark, axis=1), np.ptp(bright, axis=1)) < FLAT * np.abs(fall)
-    clear = flat & (fall > LEAST_CONTRAST * high) & (first > 0)
-    return np.where(clear, crossing, np.nan)
+    clear = flat & (fall > LEAST_CONTRAST * high)
+    return np.where(clear, places_px, np.nan)
 
 
 @dataclass(frozen=True)
