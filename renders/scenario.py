@@ -34,6 +34,7 @@ from renders.scenario_camera import (
 )
 from renders.scenario_errors import explain
 from renders.scenario_lights import EarthTable, FloodlightTable, check_earth
+from renders.scenario_sky import StarsTable, check_stars
 from renders.scenario_table import Table
 
 CASES = Path(__file__).resolve().parent.parent / "bench" / "cases"
@@ -120,6 +121,7 @@ class Scenario(Table):
     sun: SunTable = SunTable()  # type: ignore[call-arg]
     earth: EarthTable = EarthTable()  # type: ignore[call-arg]
     floodlight: FloodlightTable = FloodlightTable()  # type: ignore[call-arg]
+    stars: StarsTable = StarsTable()  # type: ignore[call-arg]
     retroreflector: RetroreflectorTable = RetroreflectorTable()  # type: ignore[call-arg]
     motion: MotionTable = MotionTable()  # type: ignore[call-arg]
     render: RenderTable = RenderTable()  # type: ignore[call-arg]
@@ -297,6 +299,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_exposure(scenario.exposure, motion.pair_gap_ms, where)
     check_focus(scenario.optics, where)
     check_earth(scenario.earth, where)
+    check_stars(scenario.stars, where)
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
     camera_preset(scenario.camera.preset)

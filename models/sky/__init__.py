@@ -1,0 +1,1 @@
+"""The stars, their light, and how a spacecraft stands among them."""
