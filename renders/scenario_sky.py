@@ -27,7 +27,7 @@ class StarsTable(Table):
         lt=360,
         description="where +z points; a camera facing the deck sees the other end",
     )
-    q_target_from_icrs_wxyz: tuple[float, float, float, float] | tuple[()] = Field(
+    q_target_from_icrs_wxyz: tuple[float, ...] = Field(
         (), description="instead of the zenith; of the nominal axes, at motion time 0"
     )
     rate_in_target_deg_h: tuple[float, float, float] = Field(
@@ -43,8 +43,8 @@ def check_stars(table: StarsTable, where: str) -> None:
     ScenarioError
     """
     wxyz = table.q_target_from_icrs_wxyz
-    if wxyz and abs(float(np.linalg.norm(wxyz)) - 1.0) > UNIT_TOLERANCE:
+    if wxyz and (len(wxyz) != 4 or abs(np.linalg.norm(wxyz) - 1.0) > UNIT_TOLERANCE):
         raise ScenarioError(
-            f"{where}: expected stars.q_target_from_icrs_wxyz of length 1, scalar first, "
-            f"got {list(wxyz)}; leave it out for an Earth-pointing target at GEO"
+            f"{where}: expected stars.q_target_from_icrs_wxyz of four numbers and length 1, scalar "
+            f"first, got {list(wxyz)}; leave it out for an Earth-pointing target at GEO"
         )

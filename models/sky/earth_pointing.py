@@ -9,6 +9,7 @@ of a degree (station keeping) and the equator's own precession (0.14 deg from 20
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
@@ -32,9 +33,9 @@ def earth_pointing(zenith_right_ascension_deg: float) -> Floats:
     return np.stack([-ahead, -north, away])
 
 
-def rotation_from_wxyz(wxyz: tuple[float, float, float, float]) -> Floats:
+def rotation_from_wxyz(wxyz: ArrayLike) -> Floats:
     """Return the (3, 3) rotation ``R_a_from_b`` of a quaternion ``q_a_from_b``, scalar first."""
-    return Rotation.from_quat(wxyz, scalar_first=True).as_matrix()
+    return Rotation.from_quat(np.asarray(wxyz, dtype=np.float64), scalar_first=True).as_matrix()
 
 
 def turned(

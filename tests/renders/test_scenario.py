@@ -276,12 +276,16 @@ def otherwise(value: Any) -> Any:
     return [*value, "S1"]
 
 
+ATTITUDES = {"q_target_from_icrs_wxyz"}  # an empty one is Earth-pointing
+HALF_A_TURN = [0.0, 1.0, 0.0, 0.0]
+
+
 def with_another(place: tuple[str, ...]) -> Scenario:
     table = json.loads(Scenario(name="x").model_dump_json())
     inner = table
     for key in place[:-1]:
         inner = inner[key]
-    inner[place[-1]] = otherwise(inner[place[-1]])
+    inner[place[-1]] = otherwise(inner[place[-1]]) if place[-1] not in ATTITUDES else HALF_A_TURN
     return Scenario.model_validate(table)
 
 
