@@ -19,126 +19,34 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from models.arrays import AnyArray, Floats, Radiance
+from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
 from renders.camera_plugin import ray_direction_in_cam
-from renders.light_groups import EarthGroup, LampGroup, LightGroup, SunGroup
+from renders.kernel_lights import light_of
+from renders.light_groups import LightGroup
 from renders.sample_sequence import points_2d
 
 PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED and lobe, lobe
+START_PER_M = 2e-6  # a hit's place is exact to some 2e-7 of its largest coordinate
 LANE_SAMPLES = 16  # a pixel with more samples is shared by several lanes: no core idles
-
-
-class SunLight:
-    """A Sun group as the kernel samples it.
-
-    Its disc is a twentieth as wide as the narrowest lobe (GGX 0.05), so that sampling the disc
-    alone leaves next to no noise: no multiple importance sampling.
-    """
-
-    wide = False
-
-    def __init__(self, group: SunGroup) -> None:
-        self.channel = group.channel
-        self.radius = group.sine_of_radius
-        self.irradiance = dr.opaque(mi.Float, group.irradiance_w_m2)
-        self.direction = _opaque_vector(group.direction_in_target)
-
-    def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
-        """Return (unit direction to the light, distance or inf, irradiance facing it)."""
-        frame = mi.Frame3f(self.direction)
-        offset = self.radius * disc
-        towards = dr.normalize(self.direction + frame.s * offset.x + frame.t * offset.y)
-        return towards, mi.Float(dr.inf), self.irradiance
-
-
-class EarthLight:
-    """An Earth group as the kernel samples it: uniformly within its disc.
-
-    Glossy surfaces see it as a picture, so light and lobe are both sampled, and weighed by the
-    power heuristic (Veach 1997, equation 9.13).
-    """
-
-    wide = True
-
-    def __init__(self, group: EarthGroup) -> None:
-        earth = group.earth
-        self.channel = group.channel
-        self.reach = dr.opaque(mi.Float, 1.0 / earth.sine_of_radius)
-        self.cosine = dr.opaque(mi.Float, float(np.sqrt(1.0 - earth.sine_of_radius**2)))
-        self.density = dr.opaque(mi.Float, 1.0 / earth.solid_angle_sr)
-        self.level = dr.opaque(mi.Float, earth.albedo * earth.sun_irradiance_w_m2 / np.pi)
-        self.centre = _opaque_vector(earth.direction_in_target)
-        self.sun = _opaque_vector(earth.sun_dir_in_target)
-
-    def radiance(self, direction: Any) -> Any:
-        """Return what comes from a direction; ``models.lights.earth`` has the same for arrays."""
-        along = dr.dot(direction, self.centre)
-        inside = 1.0 - self.reach * self.reach * (1.0 - along * along)
-        distance = self.reach * along - dr.sqrt(dr.maximum(inside, 0.0))
-        normal = distance * direction - self.reach * self.centre
-        lit = self.level * dr.maximum(dr.dot(normal, self.sun), 0.0)
-        return dr.select((inside > 0.0) & (along > 0.0), lit, 0.0)
-
-    def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
-        """Return (unit direction to a place on the Earth, inf, irradiance facing it)."""
-        squared = dr.squared_norm(disc)
-        cosine = 1.0 - squared * (1.0 - self.cosine)
-        sine_over_radius = dr.sqrt((1.0 - self.cosine) * (1.0 + cosine))
-        local = mi.Vector3f(disc.x * sine_over_radius, disc.y * sine_over_radius, cosine)
-        towards = mi.Frame3f(self.centre).to_world(local)
-        return towards, mi.Float(dr.inf), self.radiance(towards) / self.density
-
-
-class LampLight:
-    """A lamp group as the kernel samples it: one LED of the ring, chosen uniformly."""
-
-    wide = False
-
-    def __init__(self, group: LampGroup, cam_from_target: RigidTransform) -> None:
-        target_from_cam = cam_from_target.inverse()
-        self.channel = group.channel
-        self.count = float(group.ring.count)
-        self.exponent = float(group.ring.exponent)
-        self.intensity = dr.opaque(mi.Float, group.ring.intensity_w_sr)
-        points = np.asarray(group.points_in_target(cam_from_target), dtype=np.float32)
-        self.points = mi.Float(points.ravel())
-        dr.make_opaque(self.points)
-        self.axis = _opaque_vector(target_from_cam.rotation[:, 2])
-
-    def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
-        """Return (unit direction to the LED, distance, irradiance facing it)."""
-        led = mi.UInt32(dr.minimum(choice * self.count, self.count - 1.0))
-        place = dr.gather(mi.Point3f, self.points, led)
-        towards = place - point
-        squared = dr.squared_norm(towards)
-        distance = dr.sqrt(squared)
-        towards = towards / distance
-        cosine = dr.maximum(-dr.dot(towards, self.axis), 0.0)
-        beam = dr.power(cosine, self.exponent)
-        return towards, distance, self.intensity * beam / squared
-
-
-def _opaque_vector(components: Sequence[float] | Floats) -> Any:
-    return mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in components))
-
-
-def light_of(
-    group: LightGroup, cam_from_target: RigidTransform
-) -> SunLight | EarthLight | LampLight:
-    """Return the kernel's view of a group."""
-    if isinstance(group, SunGroup):
-        return SunLight(group)
-    if isinstance(group, EarthGroup):
-        return EarthLight(group)
-    return LampLight(group, cam_from_target)
 
 
 def power_share(one: Any, other: Any) -> Any:
     """Return the power heuristic's weight of ``one`` density beside ``other``, exponent two."""
     ratio = other / one
     return 1.0 / (1.0 + ratio * ratio)
+
+
+def leaving(si: Any, direction: Any) -> Any:
+    """Return the ray that leaves a surface, from as near to it as 32 bits allow.
+
+    Mitsuba's own ``spawn_ray`` starts 45 times farther off, 0.4 mm at 4 m from the origin, and so
+    loses the shadows of what is thin: gaps between solar cells, tabs, blankets' edges. Cycles
+    showed it: cells 2.5 % too bright under S2, 60 % under the grazing S3.
+    """
+    offset = START_PER_M * (1.0 + dr.max(dr.abs(si.p)))
+    return mi.Ray3f(si.p + si.n * dr.mulsign(offset, dr.dot(si.n, direction)), direction)
 
 
 @dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
@@ -189,7 +97,7 @@ def _trace(
                     density = bsdf.pdf(context, si, wo, facing)
                     share *= power_share(light.density, density)
                 facing &= share > 0.0
-                shadow = si.spawn_ray(towards)
+                shadow = leaving(si, towards)
                 shadow.maxt = distance * (1.0 - 1e-4)
                 dark = scene.ray_test(shadow, depth == 0, facing)
                 sums[number] += dr.select(facing & ~dark, share, 0.0)
@@ -200,7 +108,7 @@ def _trace(
             throughput *= weight
             lobe_density = bsdf_sample.pdf
             active &= dr.any(throughput > 0.0)
-            ray = si.spawn_ray(si.to_world(bsdf_sample.wo))
+            ray = leaving(si, si.to_world(bsdf_sample.wo))
         index += 1
     return [total / mi.Float(last - first) for total in sums]
 
