@@ -95,6 +95,11 @@ def read_sun(text: str) -> NamedSun:
                 f"expected a Sun's azimuth/elevation in deg, such as 270/45, got {text!r}"
             ) from error
         return sun_at(azimuth_deg, elevation_deg)
+    if "," not in typed:
+        raise ScenarioError(
+            f"expected a Sun among {', '.join(SUN_CASES_DEG)}, its azimuth/elevation in deg, such "
+            f"as 270/45, or a vector x,y,z in the target frame, got {text!r}"
+        )
     azimuth_deg, elevation_deg = azimuth_elevation_deg(sun_direction(typed))
     return NamedSun(f"{azimuth_deg:.4g}/{elevation_deg:.4g}", typed, azimuth_deg, elevation_deg)
 

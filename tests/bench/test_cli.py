@@ -269,6 +269,12 @@ BAD_INPUT: dict[str, tuple[Callable[[Path], object], str]] = {
     "no such Sun": (nothing, "run maxar-demo --sun S9 --out OUT"),
     "a span that ends before it starts": (nothing, "render maxar-demo --span-s 9 3 --out OUT"),
     "no seeds": (nothing, "run maxar-demo --seeds 0 --out OUT"),
+    "a sweep of no pose": (nothing, "sweep maxar-approach --out OUT"),
+    "a sweep beyond the approach": (nothing, "sweep maxar-approach --range-m 9 --out OUT"),
+    "a sweep in odd steps": (
+        nothing, "sweep maxar-approach --range-m 2.5 --sun-step-deg 7 --out OUT"),
+    "a sweep of no known Sun": (nothing, "sweep maxar-demo --time-s 250 --suns S1 S9 --out OUT"),
+    "a sweep into a dataset": (nothing, "sweep maxar-demo --time-s 250 --suns S1 --out DIR"),
     "no dataset": (nothing, "estimate OUT"),
     "a dataset of another version": (
         lambda d: replace(d / "dataset.json", '"version": 1', '"version": 99'), "estimate DIR"),
