@@ -46,8 +46,10 @@ def entry_key(shaping: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def as_half(radiance: Radiance) -> AnyArray:
-    """Return radiance in the half floats in which all light is kept."""
+def as_half(radiance: AnyArray) -> AnyArray:
+    """Return radiance in the half floats in which all light is kept; of halves, themselves."""
+    if radiance.dtype == np.float16:
+        return radiance
     return np.minimum(radiance, HALF_MAX).astype(np.float16)
 
 
