@@ -22,6 +22,7 @@ from renders.expose import (
 )
 from renders.light_groups import LightGroup, SunGroup
 from renders.radiation_hits import radiation_hits
+from renders.stars import star_electrons
 from renders.veiling_glare import sun_glare
 from renders.world import Exposure, World
 
@@ -46,7 +47,7 @@ def compose(
     run : int
         Keys its random numbers, with the exposure's frame and band.
     depth_m : (height, width) array, m, optional
-        Of each pixel, 0 in space; a lens with a focus needs it.
+        Of each pixel, 0 in space; a lens with a focus and the stars need it.
 
     Returns
     -------
@@ -57,6 +58,8 @@ def compose(
     for glare in _glares(world, groups, exposure):
         rate += glare * np.float32(electrons_per_radiance(optics, detector, SUNLIGHT_NM))
     mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m)
+    if world.scenario.stars.shine:
+        mean_e += star_electrons(world, exposure.time_s, exposure_ms, depth_m)
     key = (run, exposure.frame, exposure.band)
     radiation = world.scenario.simulated_radiation
     particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)

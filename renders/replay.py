@@ -42,14 +42,14 @@ def read_groups(
 
 
 def read_depth(world: World, folder: Path, exposure: Exposure) -> Radiance | None:
-    """Return the depth of an exposure's pixels, m, from a dataset; None if the lens needs none.
+    """Return the depth of an exposure's pixels, m, from a dataset; None if nothing needs it.
 
     Raises
     ------
     DatasetError
         If it needs them and they are absent or damaged.
     """
-    if world.scenario.optics.focus_m <= 0.0:
+    if not world.scenario.needs_depth:
         return None
     path = folder / "truth" / "geometry" / f"{_named(exposure.frame, exposure.band)}.exr"
     channels = read_exr(path)

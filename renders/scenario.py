@@ -176,6 +176,11 @@ class Scenario(Table):
         """The particles that hit the chip."""
         return Radiation(**self.radiation.model_dump())
 
+    @property
+    def needs_depth(self) -> bool:
+        """Whether a frame is composed from the depth of its pixels, and not from light alone."""
+        return self.optics.focus_m > 0.0 or self.stars.shine
+
     def to_toml(self) -> str:
         """Write the scenario with every default resolved."""
         return tomli_w.dumps(json.loads(self.model_dump_json()))

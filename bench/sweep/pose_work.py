@@ -72,8 +72,8 @@ def pose_work(
             dict.fromkeys(plan.request.lamp_w_sr or (own_lamps_w_sr,)),
         )
     ]
-    focused = plan.scenario.optics.focus_m > 0.0
-    depth = {band: depth_path(plan.request.out, pose, band) for band in BANDS if focused}
+    bands = BANDS if plan.scenario.needs_depth else ()
+    depth = {band: depth_path(plan.request.out, pose, band) for band in bands}
     shots = [
         [
             Shot(
