@@ -108,7 +108,8 @@ class SweepProgress:
         clock = self.clocks[stage]
         if not self.console.is_terminal and (stage == LIGHT or clock.done == clock.total):
             self.console.print(
-                f"{stage}: {clock.done} of {clock.total}; left in all: {told(self.left_s)}",
+                f"{stage}: {clock.done} of {clock.total}; left: {told(clock.left_s)}; "
+                f"in all: {told(self.left_s)}",
                 soft_wrap=True,
             )
 

@@ -45,8 +45,8 @@ def test_in_all_is_known_once_every_stage_is():
         progress.add(POSES, 5, 10.0)
         assert progress.left_s == 0.0
     lines = said.getvalue()
-    assert "light: 10 of 20; left in all: not known yet" in lines
-    assert "poses: 10 of 10; left in all: none" in lines
+    assert "light: 10 of 20; left: about 2 min; in all: not known yet" in lines
+    assert "poses: 10 of 10; left: none; in all: none" in lines
 
 
 def test_a_stage_without_work_takes_no_time():
