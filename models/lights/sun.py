@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 
 from models.arrays import Floats
 from models.errors import ScenarioError
+from models.lights.solar_spectrum import band_irradiance_w_m2
 
 ANGULAR_DIAMETER_DEG = 0.533  # at 1 au
 
-# Through a 70 nm passband centred at 825 nm: 70 nm x about 1.06 W m-2 nm-1 of the extraterrestrial
-# spectrum (ASTM E490-00a gives 1.08 at 815 nm and 1.03 at 835 nm).
-PASSBAND_IRRADIANCE_W_M2 = 74.0
+PASSBAND_NM = (790.0, 860.0)
+PASSBAND_IRRADIANCE_W_M2 = band_irradiance_w_m2(*PASSBAND_NM)  # 74.8
 
 # Azimuth and elevation, deg, in the face's own convention (see ``direction_from_azimuth``).
 SUN_CASES_DEG: dict[str, tuple[float, float]] = {
