@@ -1,4 +1,4 @@
-"""The samples of a pixel: Sobol's points, scrambled, against scipy's and against what nets promise."""
+"""Samples of a pixel: Sobol's points, scrambled, against scipy's and against what nets promise."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def points(count: int, key: int, pair: int = 0) -> Floats:
 
 
 def test_unscrambled_they_are_sobols() -> None:
-    """scipy counts in Gray code: its point n is Sobol's number n ^ (n >> 1)."""
+    """SciPy counts in Gray code: its point n is Sobol's number n ^ (n >> 1)."""
     import drjit as dr
     import mitsuba as mi
 
