@@ -238,6 +238,11 @@ def test_in_flight_no_star_shows() -> None:
     assert shown(of, longest_ms).max() < SHOWN_SIGMAS
 
 
+def test_fifty_ms_at_f16_show_but_the_brightest() -> None:
+    """Betelgeuse, Sirius and Aldebaran of 99 in view: from 14 ms on, by 200 e^2 of noise."""
+    assert 1 <= np.count_nonzero(shown(world(), 50.0) > SHOWN_SIGMAS) <= 5
+
+
 def test_two_seconds_at_f2_show_every_star() -> None:
     of = world(optics={"f_number": 2.0})
     sigmas = shown(of, 2000.0)
