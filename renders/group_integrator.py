@@ -49,6 +49,18 @@ def leaving(si: Any, direction: Any) -> Any:
     return mi.Ray3f(si.p + si.n * dr.mulsign(offset, dr.dot(si.n, direction)), direction)
 
 
+def face_to_us(si: Any, ray: Any) -> None:
+    """Shade by the flat normal where the smooth one faces away from a ray that meets the front.
+
+    Seen from there a smooth surface would show its back and be dark: Cycles found the adaptor
+    ring's inner wall 6 % too dark.
+    """
+    away = si.wi.z * dr.dot(si.n, -ray.d) <= 0.0
+    flat = mi.Frame3f(si.n)
+    si.sh_frame = dr.select(away, flat, si.sh_frame)
+    si.wi = dr.select(away, flat.to_local(-ray.d), si.wi)
+
+
 @dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
 def _trace(
     scene: Any,
@@ -79,6 +91,7 @@ def _trace(
             si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
             escaped = active & ~si.is_valid()
             active &= si.is_valid() & (depth < max_depth)
+            face_to_us(si, ray)
             bsdf = si.bsdf(ray)
             pair = 1 + depth * PAIRS_PER_VERTEX
             disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))

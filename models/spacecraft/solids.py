@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from models.arrays import AnyArray, Floats
 from models.pose import RigidTransform
 
-SHARP_DEG = 30.0  # profiles that turn by more have an edge there
+SHARP_DEG = 20.0  # profiles that turn by more have an edge there
 
 
 def mesh_of(vertices: ArrayLike, faces: ArrayLike) -> trimesh.Trimesh:
