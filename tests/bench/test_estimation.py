@@ -2,6 +2,7 @@
 
 import dataclasses
 import shutil
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -126,6 +127,8 @@ def test_the_whole_job_in_one_call(replayed, tmp_path, monkeypatch):
         shutil.copytree(dataset.folder, request.out, ignore=shutil.ignore_patterns("estimates"))
 
     monkeypatch.setattr(renders.batch, "render_case", render_case)
+    # Synthetic frames have no light in a store, hence none to hold.
+    monkeypatch.setattr(renders.replay, "light_held", lambda folder: nullcontext())
     out = tmp_path / "out"
     score = api.run("maxar-demo", out, seeds=2, sun="S4", width=512, threads=1)
     assert [(r.case, r.out, r.sun, r.width, r.threads, r.seeds) for r in asked] == [

@@ -70,8 +70,7 @@ def window_charge(
     images = {group: np.zeros(camera.width * camera.height, np.float32) for group in groups}
     near, edge = marker_pixels(markers, camera, pose, marker_windows(markers, camera, pose))
     for pixels, samples in ((near, NEAR_SAMPLES), (edge, render.marker_samples)):
-        grid = round(samples**0.5)
-        traced = trace_groups(scene, camera, pose, groups, pixels, grid, render.max_depth, seed)
+        traced = trace_groups(scene, camera, pose, groups, pixels, samples, render.max_depth, seed)
         for group in groups:
             images[group][pixels] = traced[group.name]
     light = {group: image.reshape(camera.height, -1) for group, image in images.items()}

@@ -69,7 +69,8 @@ def test_scalar_and_jit_agree_on_a_disc(
     group: str, jit: dict[str, Radiance], scalar: dict[str, Radiance]
 ) -> None:
     assert scalar[group].sum() == pytest.approx(jit[group].sum(), rel=SUM_RATIO)
-    assert np.abs(centroid(scalar[group]) - centroid(jit[group])).max() < CENTRE_PX
+    if group != "sun":  # it lights the plate as brightly as the disc: no centre to compare
+        assert np.abs(centroid(scalar[group]) - centroid(jit[group])).max() < CENTRE_PX
 
 
 def test_the_disc_returns_the_link_budget(scalar: dict[str, Radiance]) -> None:
