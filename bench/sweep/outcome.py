@@ -70,17 +70,18 @@ def rows_of(result: SweepResult, setting: Setting, pipeline: str) -> list[Row]:
 
 def print_sweep(console: Console, result: SweepResult) -> None:
     """Print counts and position errors of every setting and pipeline, and the extremes' names."""
-    table = Table(title=title(result), title_justify="left", box=box.SIMPLE_HEAD)
-    table.add_column("pipeline", no_wrap=True)
-    for head in (*VERDICTS, "median, mm", "worst, mm"):
-        table.add_column(head, justify="right")
     for setting in result.settings:
-        table.add_row(setting.title, style="bold")
+        table = Table(
+            title=f"{title(result)}: {setting.title}", title_justify="left", box=box.SIMPLE_HEAD
+        )
+        table.add_column("pipeline", no_wrap=True)
+        for head in (*VERDICTS, "median, mm", "worst, mm"):
+            table.add_column(head, justify="right")
         for pipeline in result.plan.pipelines:
             rows = rows_of(result, setting, pipeline)
             counts = [str(sum(row.verdict == verdict for row in rows)) for verdict in VERDICTS]
-            table.add_row(f"  {pipeline}", *counts, *_errors(rows))
-    console.print(table)
+            table.add_row(pipeline, *counts, *_errors(rows))
+        console.print(table)
     best, harshest = ranked(rows_of(result, result.settings[0], result.map_pipeline))
     for name, rows in (("kindest", best), ("harshest", harshest)):
         for row in rows[:OF_EACH]:
