@@ -184,8 +184,8 @@ def main() -> int:
     """Run the check; exit code 0 if the two agree, 1 if not, 2 if it could not run."""
     parser = argparse.ArgumentParser(prog="make oracle", description=__doc__)
     parser.add_argument("--size-px", type=int, default=768)
-    parser.add_argument("--samples", type=int, default=64, help="per pixel and seed, a square")
-    parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--samples", type=int, default=256, help="per pixel and seed")
+    parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--out", type=Path, default=Path("out/oracle"))
     options = parser.parse_args()
     console = Console()
