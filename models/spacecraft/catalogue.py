@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 from models.errors import ScenarioError
 from models.spacecraft.chaser import chaser
@@ -13,7 +14,7 @@ SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {"maxar1300": maxar1300, "chas
 
 
 def spacecraft_by_name(name: str) -> Spacecraft:
-    """Return a spacecraft by name.
+    """Return a spacecraft by name, built once a process: it is frozen, and takes two seconds.
 
     Raises
     ------
@@ -24,4 +25,9 @@ def spacecraft_by_name(name: str) -> Spacecraft:
         raise ScenarioError(
             f"expected a spacecraft among {', '.join(sorted(SPACECRAFT))}, got {name!r}"
         )
+    return _built(name)
+
+
+@cache
+def _built(name: str) -> Spacecraft:
     return SPACECRAFT[name]()
