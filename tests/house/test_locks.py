@@ -17,6 +17,8 @@ LOCKS = {
     "requirements.lock": PROJECT["dependencies"],
     "requirements-dev.lock": PROJECT["dependencies"] + PROJECT["optional-dependencies"]["dev"],
 }
+ORACLE_LOCK = "requirements-oracle.lock"  # for one Python alone, that of bpy's wheels
+ALL_LOCKS = [*LOCKS, ORACLE_LOCK]
 PYTHONS = ("3.11.0", "3.12.0", "3.13.0")
 
 
@@ -57,7 +59,7 @@ def test_tests_run_with_the_versions_that_users_get(python) -> None:
     )
 
 
-@pytest.mark.parametrize("lock", LOCKS)
+@pytest.mark.parametrize("lock", ALL_LOCKS)
 def test_every_pin_is_exact_and_hashed(lock) -> None:
     for requirement, block in entries(lock):
         (pin,) = requirement.specifier
@@ -66,6 +68,13 @@ def test_every_pin_is_exact_and_hashed(lock) -> None:
         assert re.search(r"--hash=sha256:[0-9a-f]{64}\b", block), requirement
 
 
-@pytest.mark.parametrize("lock", LOCKS)
+def test_the_oracles_lock_pins_what_its_group_asks_for() -> None:
+    asked = tomllib.loads((HOUSE / "pyproject.toml").read_text())["dependency-groups"]["oracle"]
+    pinned = pins(ORACLE_LOCK, "3.11.0")
+    for requirement in map(Requirement, asked):
+        assert requirement.specifier.contains(pinned[canonicalize_name(requirement.name)])
+
+
+@pytest.mark.parametrize("lock", ALL_LOCKS)
 def test_no_index_and_no_path(lock) -> None:
     assert not re.search(r"index-url|find-links|://|file:|/", (HOUSE / lock).read_text())
