@@ -143,8 +143,16 @@ def command(side: str) -> list[str]:
     return [str(ORACLE_PYTHON), str(BLENDER_SIDE)]
 
 
-def run(job: Job, folder: Path) -> Effort:
+def run(job: Job, folder: Path, kernels: Path | None = None) -> Effort:
     """Run a job in a process of its own and wait for it.
+
+    Parameters
+    ----------
+    job : Job
+    folder : Path
+        For the job's file, clock and log.
+    kernels : Path, optional
+        Where Dr.Jit keeps its compiled kernels, if not in the user's own cache.
 
     Raises
     ------
@@ -160,6 +168,7 @@ def run(job: Job, folder: Path) -> Effort:
         process = subprocess.Popen(
             [*command(job.side), str(job_file)],
             cwd=HOUSE,
+            env=os.environ | ({"DRJIT_CACHE_DIR": str(kernels.resolve())} if kernels else {}),
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=subprocess.STDOUT,

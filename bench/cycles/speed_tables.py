@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 def spread(values: list[float], digits: int = 1) -> str:
     """Return the middle of some values, and the least and the most of them."""
     low, middle, high = min(values), float(np.median(values)), max(values)
+    if len(values) == 1:
+        return f"{middle:.{digits}f}"
     return f"{middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
@@ -31,7 +33,7 @@ def _seconds(costs: list[Cost]) -> list[str]:
     ]
 
 
-def print_rows(console: Console, rows: list[Row], folder: Path) -> None:
+def print_rows(console: Console, rows: list[Row], first: dict[str, Cost], folder: Path) -> None:
     """Print times and memory, then ratios beside their targets."""
     costs = Table(title="What it took", box=box.SIMPLE, title_justify="left")
     for column in ("", "whole, s", "but light, s", "processor, s", "peak, MiB"):
@@ -53,6 +55,8 @@ def print_rows(console: Console, rows: list[Row], folder: Path) -> None:
             f"{row.noise_ratio:.2f}, {row.whole_frame_noise_ratio:.2f}",
             f"{sign} {row.target:g}: {word}",
         )
+    for what, cost in first.items():
+        costs.add_row(f"{what}: rvbench's first, kernels compiled", *_seconds([cost]))
     console.print(costs)
     console.print(ratios)
     console.print(
