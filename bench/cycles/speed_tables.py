@@ -42,13 +42,13 @@ def print_rows(console: Console, rows: list[Row], first: dict[str, Cost], folder
     for column in ("", "equal noise", "equal samples", "light alone", "noise", "target"):
         ratios.add_column(column, justify="right" if column else "left")
     for row in rows:
-        first, second = ("mitsuba", "rvbench") if row.bare else ("rvbench", "Cycles")
-        costs.add_row(f"{row.what}: {first}", *_seconds(row.ours))
-        costs.add_row(f"{row.what}: {second}", *_seconds(row.theirs))
+        one, other = ("mitsuba", "rvbench") if row.bare else ("rvbench", "Cycles")
+        costs.add_row(f"{row.what}: {one}", *_seconds(row.ours))
+        costs.add_row(f"{row.what}: {other}", *_seconds(row.theirs))
         sign = "at most" if row.bare else "at least"
         word = "reached" if row.reached else "[bold red]missed[/]"
         ratios.add_row(
-            f"{row.what}: {second} over {first}",
+            f"{row.what}: {other} over {one}",
             spread(row.at_equal_noise, 2),
             spread(row.at_equal_samples, 2),
             spread(row.of_light_alone, 2),
