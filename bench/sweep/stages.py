@@ -182,7 +182,9 @@ class Sweeper:
         self._load(work)
         work.light.trace(batch.groups)
         if progress is not None:
-            progress.add(LIGHT, len(batch.groups), perf_counter() - began)
+            # A pass of one lamp tells nothing of passes that many Suns share.
+            spent_s, telling = perf_counter() - began, bool(batch.suns)
+            progress.add(LIGHT, len(batch.groups), spent_s, telling)
 
     def _take(
         self, work: PoseWork, suns: Sequence[int], progress: SweepProgress, workers: Workers

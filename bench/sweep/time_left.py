@@ -30,10 +30,10 @@ class StageClock:
     done: int = 0
     steps: list[tuple[int, float]] = field(default_factory=list)
 
-    def add(self, pieces: int, seconds: float) -> None:
-        """Count a step."""
+    def add(self, pieces: int, seconds: float, telling: bool = True) -> None:
+        """Count a step; one that is ``telling`` is like those to come."""
         self.done += pieces
-        if pieces > 0:
+        if pieces > 0 and telling:
             self.steps.append((pieces, seconds))
 
     @property
@@ -101,9 +101,9 @@ class SweepProgress:
             self._tell()
             yield self
 
-    def add(self, stage: str, pieces: int, seconds: float) -> None:
-        """Count a step of a stage."""
-        self.clocks[stage].add(pieces, seconds)
+    def add(self, stage: str, pieces: int, seconds: float, telling: bool = True) -> None:
+        """Count a step of a stage; see ``StageClock.add``."""
+        self.clocks[stage].add(pieces, seconds, telling)
         self._tell()
         clock = self.clocks[stage]
         if not self.console.is_terminal and (stage == LIGHT or clock.done == clock.total):

@@ -26,6 +26,14 @@ def test_the_first_step_counts_only_while_it_is_the_only_one():
     assert clock.left_s == 0.0
 
 
+def test_a_step_unlike_the_others_tells_nothing():
+    clock = StageClock(22)
+    clock.add(2, 60.0, telling=False)
+    assert clock.left_s is None
+    clock.add(10, 5.0)
+    assert clock.left_s == pytest.approx(5.0)
+
+
 def test_a_steady_pace_is_foretold_exactly():
     clock = StageClock(40)
     for done in range(4):
