@@ -49,9 +49,13 @@ class SunVerdict:
 
     @property
     def agrees(self) -> bool:
-        """Whether every kind of material and every telling region agrees, and the edges do."""
+        """Whether every kind of material and every telling region agrees, and the edges do.
+
+        A kind that noise hides is no agreement: it asks for more samples.
+        """
         judged = [*self.kinds, *(region for region in self.regions if region.telling)]
-        return all(region.agrees for region in judged) and self.edges.agrees
+        told = all(kind.telling for kind in self.kinds)
+        return told and all(region.agrees for region in judged) and self.edges.agrees
 
 
 @dataclass(frozen=True)

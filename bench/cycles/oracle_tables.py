@@ -9,7 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from bench.cycles.regions import TOLERANCE, RegionMeans
+from bench.cycles.regions import FEWEST_PIXELS, TOLERANCE, RegionMeans
 from bench.cycles.shadow_edges import TOLERANCE_PX
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def _table(title: str, *columns: str) -> Table:
     table = Table(title=title, box=box.SIMPLE, title_justify="left")
-    table.add_column(columns[0])
+    table.add_column(columns[0], overflow="fold")
     for column in columns[1:]:
         table.add_column(column, justify="right")
     return table
@@ -26,6 +26,10 @@ def _table(title: str, *columns: str) -> Table:
 
 def _word(agrees: bool) -> str:
     return "agrees" if agrees else "[bold red]differs[/]"
+
+
+def _region_word(region: RegionMeans) -> str:
+    return _word(region.agrees) if region.telling else "too noisy"
 
 
 def print_plate(console: Console, plate: list[PlateVerdict]) -> None:
@@ -46,7 +50,7 @@ def print_plate(console: Console, plate: list[PlateVerdict]) -> None:
 
 def print_regions(console: Console, sun: SunVerdict) -> None:
     """Print one Sun: the whole, kinds of material, regions, shadow edges."""
-    columns = ("region", "pixels", "rvbench", "Cycles", "ratio", "+-", f"within {TOLERANCE:.0%}")
+    columns = ("region", "pixels", "rvbench", "Cycles", "ratio", "+-", f"to {TOLERANCE:.0%}")
     table = _table(f"Sun {sun.sun}: mean radiance, W m-2 sr-1", *columns)
 
     def add(row: RegionMeans, word: str) -> None:
@@ -62,10 +66,11 @@ def print_regions(console: Console, sun: SunVerdict) -> None:
 
     add(sun.whole, "")
     for kind in sun.kinds:
-        add(kind, _word(kind.agrees))
+        add(kind, _region_word(kind))
     table.add_section()
-    for region in sorted(sun.regions, key=lambda region: -region.pixels):
-        add(region, _word(region.agrees) if region.telling else "small or noisy")
+    shown = [region for region in sun.regions if region.pixels >= FEWEST_PIXELS]
+    for region in sorted(shown, key=lambda region: -region.pixels):
+        add(region, _region_word(region))
     console.print(table)
     edges = sun.edges
     console.print(
