@@ -192,7 +192,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--out", type=Path, default=Path("out/oracle"))
     options = parser.parse_args()
-    console = Console()
+    console = Console(width=None if sys.stdout.isatty() else 110)
     try:
         plate = check_plate(options.out / "plate")
         suns = check_maxar(options.size_px, options.samples, options.seeds, options.out / "maxar")
