@@ -200,8 +200,10 @@ def _one_by_one(
         common = (geometry, camera, cam_from_target, group)
         depth, seed = sampling.max_depth, sampling.seed
         image = render_group(*common, whole, sampling.samples, depth, seed)[0]
-        fine = render_group(*common, windows, near_samples, depth, seed)
-        for (left, top, width, height), patch in zip(windows, fine, strict=True):
+        # Sixteen passes of every Sun over every window would take longer than the image itself.
+        shining = windows if isinstance(group, LampGroup) else []
+        fine = render_group(*common, shining, near_samples, depth, seed)
+        for (left, top, width, height), patch in zip(shining, fine, strict=True):
             image[top : top + height, left : left + width] = patch
         if isinstance(group, LampGroup) and geometry.discs is not None:
             in_view = marker_windows(geometry.discs, camera, cam_from_target)

@@ -22,7 +22,15 @@ from models.errors import DatasetError
 from models.estimate import PoseEstimate
 from models.estimates_file import read_estimates
 from tests.bench.sweep.conftest import SUNS, SmallSweep
+from tests.support.small_scenes import needs_jit
 from tests.support.whole_runs import identities, start
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _variant() -> None:
+    """Without a JIT a tree is built for every group: minutes, for the same mechanics."""
+    needs_jit()
+
 
 PRIOR_AS_ANGLES = 1e-12  # a dataset's prior went through a file, as three angles
 
