@@ -14,7 +14,7 @@ from rich.console import Console
 from renders.scenario import RenderRequest, resolve
 from renders.store import RadianceStore
 from renders.world import World
-from tests.support.small_scenes import activate_best
+from tests.support.small_scenes import activate_best, needs_jit
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,11 @@ class TinyDataset:
 
 @pytest.fixture(scope="session")
 def rendered_once(tmp_path_factory: pytest.TempPathFactory) -> TinyDataset:
-    """Never changed: see ``tiny`` for a copy that may be."""
-    activate_best()
+    """Never changed: see ``tiny`` for a copy that may be.
+
+    Without a JIT a tree is built for every group: minutes, for the same mechanics.
+    """
+    needs_jit()
     home = tmp_path_factory.mktemp("tiny")
     request = RenderRequest(
         "maxar-demo",
