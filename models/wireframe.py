@@ -67,7 +67,7 @@ class Wireframe:
         if self.edges.size and not (0 <= self.edges.min() <= self.edges.max() < count):
             raise ValueError(f"{self.name}: expected edges between landmarks 0 to {count - 1}")
         if (self.edges[:, 0] == self.edges[:, 1]).any():
-            raise ValueError(f"{self.name}: expected edges between two landmarks, got one to itself")
+            raise ValueError(f"{self.name}: expected edges between two landmarks; one joins itself")
         if self.triangles_in_target.ndim != 3 or self.triangles_in_target.shape[1:] != (3, 3):
             raise ValueError(
                 f"{self.name}: expected (f, 3, 3) triangles, got {self.triangles_in_target.shape}"

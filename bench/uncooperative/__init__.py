@@ -1,0 +1,1 @@
+"""The uncooperative target: suites on points, runs on frames, their scores and reports."""

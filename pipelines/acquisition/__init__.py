@@ -1,0 +1,1 @@
+"""First pose of a known target: no prior, no names on the corners."""

@@ -1,0 +1,1 @@
+"""Filters of the relative state: translation and rotation, each on its own."""
