@@ -37,6 +37,7 @@ from models.sensor import Detector
 
 FORMAT = "rvbench-pairs"
 VERSION = 1
+FILTERED = 0  # the band of a single image: all that the camera's filter passes, and no lamps
 DIVISORS = ("pixel_pitch_um", "quantum_efficiency", "full_well_e", "gain_e_dn")
 
 
@@ -54,6 +55,8 @@ class DatasetInfo:
     target : str
     provenance : dict
         Versions and hashes; nothing that tells a pose.
+    format : str
+        ``rvbench-pairs``, or ``rvbench-images``: see ``models.image_dataset``.
     """
 
     case: str
@@ -61,6 +64,7 @@ class DatasetInfo:
     frames: int
     target: str
     provenance: dict[str, str]
+    format: str = FORMAT
 
 
 @dataclass(frozen=True)
@@ -72,9 +76,14 @@ class FrameEntry:
     exposure_ms: float
 
 
+def exposure_name(index: int, band: int) -> str:
+    """Return how the files of one exposure are named; ``band`` is 800, 850 or ``FILTERED``."""
+    return f"{index:06d}" if band == FILTERED else f"{index:06d}_{band}"
+
+
 def image_path(folder: Path, index: int, band: int) -> Path:
-    """Return where the image of one exposure lies; ``band`` is 800 or 850."""
-    return folder / "frames" / f"{index:06d}_{band}.png"
+    """Return where the image of one exposure lies; ``band`` is 800, 850 or ``FILTERED``."""
+    return folder / "frames" / f"{exposure_name(index, band)}.png"
 
 
 def encode_image(image: Image) -> bytes:
@@ -116,25 +125,50 @@ def read_image(path: Path) -> Image:
     return np.asarray(image)
 
 
-def _read_toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file of a dataset.
+
+    Raises
+    ------
+    DatasetError
+        If it is missing or no TOML.
+    """
     try:
         return tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise DatasetError(f"expected a TOML file at {path}, got: {cause(error)}") from error
 
 
-def read_info(folder: Path) -> DatasetInfo:
-    """Read ``dataset.json`` and refuse another format or version."""
-    path = folder / "dataset.json"
+def _read_info_table(folder: Path) -> dict[str, Any]:
     try:
-        table = json.loads(path.read_text())
+        table = json.loads((folder / "dataset.json").read_text())
     except (OSError, ValueError) as error:
         raise DatasetError(
             f"expected a dataset in {folder}, with a dataset.json; got: {cause(error)}; "
             "`rvbench render` makes one"
         ) from error
-    if not isinstance(table, dict) or table.get("format") != FORMAT:
-        raise DatasetError(f"{path}: expected format {FORMAT!r}, got another; is it ours?")
+    return table if isinstance(table, dict) else {}
+
+
+def read_format(folder: Path) -> str:
+    """Return the format that ``dataset.json`` names; empty if it names none.
+
+    Raises
+    ------
+    DatasetError
+        If there is no such file, or it is no JSON.
+    """
+    return str(_read_info_table(folder).get("format", ""))
+
+
+def read_info(folder: Path, expected_format: str = FORMAT) -> DatasetInfo:
+    """Read ``dataset.json`` and refuse another format or version."""
+    path, table = folder / "dataset.json", _read_info_table(folder)
+    if table.get("format") != expected_format:
+        raise DatasetError(
+            f"{path}: expected format {expected_format!r}, got {table.get('format', 'none')!r}; "
+            "is it ours?"
+        )
     if table.get("version") != VERSION:
         raise DatasetError(
             f"{path}: expected version {VERSION}, got {table.get('version')!r}; "
@@ -146,12 +180,13 @@ def read_info(folder: Path) -> DatasetInfo:
             raise DatasetError(
                 f"{path}: expected {key} as {kind.__name__}, got {table.get(key, 'none')!r}"
             )
-    return DatasetInfo(**{key: table[key] for key in expected})
+    return DatasetInfo(**{key: table[key] for key in expected}, format=expected_format)
 
 
 def info_to_json(info: DatasetInfo) -> str:
     """Return the text of ``dataset.json``."""
-    return json.dumps({"format": FORMAT, "version": VERSION, **asdict(info)}, indent=2) + "\n"
+    told = {"format": info.format, "version": VERSION}
+    return json.dumps({**told, **asdict(info), **told}, indent=2) + "\n"
 
 
 def detector_to_toml(detector: Detector) -> str:
@@ -161,7 +196,7 @@ def detector_to_toml(detector: Detector) -> str:
 
 def read_detector(path: Path) -> Detector:
     """Read ``detector.toml``; every key must be there."""
-    table = _read_toml(path)
+    table = read_toml(path)
     known = {field.name for field in fields(Detector)}
     unknown, missing = sorted(set(table) - known), sorted(known - set(table))
     if unknown or missing:
@@ -200,7 +235,7 @@ def markers_to_toml(markers: MarkerPattern) -> str:
 
 def read_markers(path: Path) -> MarkerPattern:
     """Read ``markers.toml``."""
-    table = _read_toml(path)
+    table = read_toml(path)
     try:
         rows = table["marker"]
         return MarkerPattern(
@@ -230,7 +265,7 @@ def prior_to_toml(knowledge: FlightKnowledge) -> str:
 
 def read_prior(path: Path) -> tuple[RigidTransform, Floats, Floats]:
     """Read ``prior.toml``: the pose ``cam_from_target``, and its sigmas in m and in deg."""
-    table = _read_toml(path)
+    table = read_toml(path)
     try:
         prior = RigidTransform(
             rotation_from_euler_321(table["euler_321_deg"]),
