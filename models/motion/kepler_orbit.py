@@ -6,10 +6,10 @@ momentum, y = z cross x: along track.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from models.arrays import Floats
 from models.motion.clohessy_wiltshire import EARTH_MU_M3_S2, mean_motion
@@ -28,11 +28,11 @@ def eccentric_anomaly(mean_anomaly_rad: float, eccentricity: float) -> float:
     Newton's iteration from Danby's start (Fundamentals of Celestial Mechanics, 1992, section 6.6),
     from which it always converges.
     """
-    mean = float(np.arctan2(np.sin(mean_anomaly_rad), np.cos(mean_anomaly_rad)))
-    found = mean + 0.85 * eccentricity * float(np.sign(mean))
+    mean = math.atan2(math.sin(mean_anomaly_rad), math.cos(mean_anomaly_rad))
+    found = mean + math.copysign(0.85 * eccentricity, mean)
     for _ in range(KEPLER_ITERATIONS):
-        excess = found - eccentricity * float(np.sin(found)) - mean
-        step = excess / (1.0 - eccentricity * float(np.cos(found)))
+        excess = found - eccentricity * math.sin(found) - mean
+        step = excess / (1.0 - eccentricity * math.cos(found))
         found -= step
         if abs(step) <= KEPLER_TOLERANCE_RAD * max(1.0, abs(found)):
             break
@@ -117,9 +117,9 @@ class KeplerOrbit:
         """
         position = np.asarray(state.position_in_inertial, dtype=np.float64)
         velocity = np.asarray(state.velocity_in_inertial, dtype=np.float64)
-        radius = float(np.linalg.norm(position))
-        momentum = np.cross(position, velocity)
-        size = float(np.linalg.norm(momentum))
+        radius = math.sqrt(float(position @ position))
+        momentum = _cross(position, velocity)
+        size = math.sqrt(float(momentum @ momentum))
         energy = 0.5 * float(velocity @ velocity) - EARTH_MU_M3_S2 / max(radius, 1.0)
         if not (energy < 0.0 and size > 0.0):
             raise ValueError(
@@ -127,17 +127,17 @@ class KeplerOrbit:
                 f"velocity {velocity} m/s"
             )
         normal = momentum / size
-        to_perigee = np.cross(velocity, momentum) / EARTH_MU_M3_S2 - position / radius
-        eccentricity = float(np.linalg.norm(to_perigee))
-        tilt = float(np.hypot(normal[0], normal[1]))
+        to_perigee = _cross(velocity, momentum) / EARTH_MU_M3_S2 - position / radius
+        eccentricity = math.sqrt(float(to_perigee @ to_perigee))
+        tilt = math.hypot(normal[0], normal[1])
         node = np.array([-normal[1], normal[0], 0.0]) if tilt > ROUND else np.array([1.0, 0.0, 0.0])
-        node /= np.linalg.norm(node)
+        node /= math.hypot(node[0], node[1])
         perigee = to_perigee if eccentricity > ROUND else node
         return cls(
             -0.5 * EARTH_MU_M3_S2 / energy,
             eccentricity if eccentricity > ROUND else 0.0,
-            float(np.arctan2(tilt, normal[2])),
-            float(np.arctan2(node[1], node[0])),
+            math.atan2(tilt, normal[2]),
+            math.atan2(node[1], node[0]),
             _angle_about(normal, node, perigee),
             _angle_about(normal, perigee, position),
             state.time_s,
@@ -156,17 +156,18 @@ class KeplerOrbit:
     @property
     def momentum_m2_s(self) -> float:
         """Orbital momentum h over mass, m2/s."""
-        return float(np.sqrt(EARTH_MU_M3_S2 * self.semi_latus_rectum_m))
+        return math.sqrt(EARTH_MU_M3_S2 * self.semi_latus_rectum_m)
 
     def true_anomaly(self, time_s: float) -> float:
         """Return the true anomaly, rad, within half a turn of zero."""
         e = self.eccentricity
-        s, c = np.sin(self.true_anomaly_rad), np.cos(self.true_anomaly_rad)
-        at_epoch = float(np.arctan2(np.sqrt(1.0 - e * e) * s, e + c))
-        mean = at_epoch - e * float(np.sin(at_epoch))
+        squeeze = math.sqrt(1.0 - e * e)
+        s, c = math.sin(self.true_anomaly_rad), math.cos(self.true_anomaly_rad)
+        at_epoch = math.atan2(squeeze * s, e + c)
+        mean = at_epoch - e * math.sin(at_epoch)
         mean += self.mean_motion_rad_s * (time_s - self.epoch_s)
         now = eccentric_anomaly(mean, e)
-        return float(np.arctan2(np.sqrt(1.0 - e * e) * np.sin(now), np.cos(now) - e))
+        return math.atan2(squeeze * math.sin(now), math.cos(now) - e)
 
     def radius_m(self, time_s: float) -> float:
         """Return the distance from Earth's centre, m."""
@@ -180,7 +181,7 @@ class KeplerOrbit:
         """Return the second derivative of the true anomaly, rad/s2."""
         anomaly = self.true_anomaly(time_s)
         pull = EARTH_MU_M3_S2 / self._radius_m(anomaly) ** 3
-        return float(-2.0 * pull * self.eccentricity * np.sin(anomaly))
+        return -2.0 * pull * self.eccentricity * math.sin(anomaly)
 
     def inertial_from_lvlh(self, time_s: float) -> Floats:
         """Return the (3, 3) rotation whose columns are radial, along-track and normal."""
@@ -192,27 +193,33 @@ class KeplerOrbit:
         axes = self._axes_at(anomaly)
         speed = EARTH_MU_M3_S2 / self.momentum_m2_s
         e = self.eccentricity
-        velocity = speed * np.array([e * np.sin(anomaly), 1.0 + e * np.cos(anomaly), 0.0])
+        velocity = speed * np.array([e * math.sin(anomaly), 1.0 + e * math.cos(anomaly), 0.0])
         return ChaserState(time_s, axes[:, 0] * self._radius_m(anomaly), axes @ velocity)
 
     def _radius_m(self, anomaly: float) -> float:
-        return float(self.semi_latus_rectum_m / (1.0 + self.eccentricity * np.cos(anomaly)))
+        return self.semi_latus_rectum_m / (1.0 + self.eccentricity * math.cos(anomaly))
 
     def _axes_at(self, anomaly: float) -> Floats:
         around = _turn_about_z(self.argument_of_perigee_rad + anomaly)
         return _turn_about_z(self.raan_rad) @ _turn_about_x(self.inclination_rad) @ around
 
 
-def _angle_about(axis: ArrayLike, start: ArrayLike, end: ArrayLike) -> float:
-    start, end = np.asarray(start), np.asarray(end)
-    return float(np.arctan2(np.asarray(axis) @ np.cross(start, end), start @ end))
+def _angle_about(axis: Floats, start: Floats, end: Floats) -> float:
+    return math.atan2(float(axis @ _cross(start, end)), float(start @ end))
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    """Return the cross product of two vectors, ten times as fast as numpy's."""
+    a, b, c = first.tolist()
+    x, y, z = second.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def _turn_about_z(angle: float) -> Floats:
-    s, c = float(np.sin(angle)), float(np.cos(angle))
+    s, c = math.sin(angle), math.cos(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _turn_about_x(angle: float) -> Floats:
-    s, c = float(np.sin(angle)), float(np.cos(angle))
+    s, c = math.sin(angle), math.cos(angle)
     return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])

@@ -6,6 +6,8 @@ local frame: the axes of ``clohessy_wiltshire``, to which this comes down on a c
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from models.arrays import Floats
@@ -31,35 +33,35 @@ def state_transition(orbit: KeplerOrbit, from_s: float, to_s: float) -> Floats:
     start, end = orbit.true_anomaly(from_s), orbit.true_anomaly(to_s)
     fundamental = np.zeros((6, 6))
     fundamental[_IN_PLANE] = _in_plane(e, end, rate * (to_s - from_s)) @ _pseudo_initial(e, start)
-    s, c = float(np.sin(end - start)), float(np.cos(end - start))
+    s, c = math.sin(end - start), math.cos(end - start)
     fundamental[_OUT_OF_PLANE] = [[c, s], [-s, c]]
     return _from_tilde(e, end, rate) @ fundamental @ _to_tilde(e, start, rate)
 
 
 def _to_tilde(e: float, anomaly: float, rate: float) -> Floats:
     """Return what scales a state by rho and takes the anomaly for time, from local axes."""
-    rho = 1.0 + e * float(np.cos(anomaly))
+    rho = 1.0 + e * math.cos(anomaly)
     scaled = np.zeros((6, 6))
     scaled[:3, :3] = rho * _YA_FROM_LVLH
-    scaled[3:, :3] = -e * float(np.sin(anomaly)) * _YA_FROM_LVLH
+    scaled[3:, :3] = -e * math.sin(anomaly) * _YA_FROM_LVLH
     scaled[3:, 3:] = _YA_FROM_LVLH / (rate * rho)
     return scaled
 
 
 def _from_tilde(e: float, anomaly: float, rate: float) -> Floats:
-    rho = 1.0 + e * float(np.cos(anomaly))
+    rho = 1.0 + e * math.cos(anomaly)
     back = _YA_FROM_LVLH.T
     unscaled = np.zeros((6, 6))
     unscaled[:3, :3] = back / rho
-    unscaled[3:, :3] = rate * e * float(np.sin(anomaly)) * back
+    unscaled[3:, :3] = rate * e * math.sin(anomaly) * back
     unscaled[3:, 3:] = rate * rho * back
     return unscaled
 
 
 def _pseudo_initial(e: float, anomaly: float) -> Floats:
     """Return the (4, 4) inverse fundamental matrix of (x, z, x', z') at the start."""
-    rho = 1.0 + e * float(np.cos(anomaly))
-    s, c = rho * float(np.sin(anomaly)), rho * float(np.cos(anomaly))
+    rho = 1.0 + e * math.cos(anomaly)
+    s, c = rho * math.sin(anomaly), rho * math.cos(anomaly)
     up = 1.0 + 1.0 / rho
     return np.array(
         [
@@ -73,11 +75,11 @@ def _pseudo_initial(e: float, anomaly: float) -> Floats:
 
 def _in_plane(e: float, anomaly: float, elapsed: float) -> Floats:
     """Return the (4, 4) fundamental matrix at the end; ``elapsed`` is the paper's J."""
-    sin, cos = float(np.sin(anomaly)), float(np.cos(anomaly))
+    sin, cos = math.sin(anomaly), math.cos(anomaly)
     rho = 1.0 + e * cos
     s, c = rho * sin, rho * cos
-    s_prime = cos + e * float(np.cos(2.0 * anomaly))
-    c_prime = -(sin + e * float(np.sin(2.0 * anomaly)))
+    s_prime = cos + e * math.cos(2.0 * anomaly)
+    c_prime = -(sin + e * math.sin(2.0 * anomaly))
     up = 1.0 + 1.0 / rho
     return np.array(
         [

@@ -1,0 +1,201 @@
+"""How a target turns between two frames, and how well that is known.
+
+A turn's error is a small rotation in target axes: ``R_true = R exp([turn]x)``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
+
+from models.arrays import Floats
+from models.motion.kepler_orbit import KeplerOrbit
+from pipelines.filters.navigation_options import NavigationOptions
+
+LONGEST_TURN_RAD = 0.05  # of one Runge-Kutta step: its error is below 1e-9 rad then
+
+
+def skew(vector: Floats) -> Floats:
+    """Return ``[v]x``, for which ``[v]x w = v x w``."""
+    x, y, z = vector.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def turn_between(start: Floats, end: Floats) -> Floats:
+    """Return the (3,) rotation vector, rad, with ``end = start exp([turn]x)``."""
+    return Rotation.from_matrix(start.T @ end).as_rotvec()
+
+
+@dataclass(frozen=True, eq=False)
+class RotationState:
+    """An attitude and a rate, with their covariance.
+
+    Attributes
+    ----------
+    R_lvlh_from_target : (3, 3) array
+    omega_in_target : (3,) array, rad/s
+        The rate that the process carries on: relative or inertial, see ``RotationProcess``.
+    covariance : (6, 6) array, rad and rad/s
+        Of (turn, omega).
+    """
+
+    R_lvlh_from_target: Floats
+    omega_in_target: Floats
+    covariance: Floats
+
+    def turned(self, correction: Floats, covariance: Floats) -> RotationState:
+        """Return the state after a (6,) correction of (turn, omega)."""
+        turn = Rotation.from_rotvec(correction[:3]).as_matrix()
+        return RotationState(
+            self.R_lvlh_from_target @ turn, self.omega_in_target + correction[3:], covariance
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FreeBody:
+    """A target of known inertia that nothing turns: ``I omega' = -omega x (I omega)``.
+
+    Attributes
+    ----------
+    inertia : (3, 3) array
+        About the centre of mass, target axes, in any unit.
+    """
+
+    inertia: Floats
+
+    def rate(self, omega: Floats) -> Floats:
+        """Return the (3,) angular acceleration, rad/s2."""
+        return np.asarray(-self._inverse @ (skew(omega) @ (self.inertia @ omega)))
+
+    def jacobian(self, omega: Floats) -> Floats:
+        """Return the (3, 3) derivative of the acceleration with respect to the rate, 1/s."""
+        gyroscopic = skew(self.inertia @ omega) - skew(omega) @ self.inertia
+        return np.asarray(self._inverse @ gyroscopic)
+
+    def carry(self, omega: Floats, step_s: float) -> tuple[Floats, Floats]:
+        """Return the (3, 3) turn over a step and the rate after it.
+
+        The rate by Runge and Kutta's steps, the turn by Magnus' expansion to fourth order, with
+        the mean rate by Simpson's rule.
+        """
+        turned_rad = abs(step_s) * float(np.linalg.norm(omega))
+        count = max(1, int(np.ceil(turned_rad / LONGEST_TURN_RAD)))
+        turn, h = np.eye(3), step_s / count
+        for _ in range(count):
+            k1 = self.rate(omega)
+            k2 = self.rate(omega + 0.5 * h * k1)
+            k3 = self.rate(omega + 0.5 * h * k2)
+            k4 = self.rate(omega + h * k3)
+            after = omega + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+            middle = 0.5 * (omega + after) + h / 8.0 * (k1 - self.rate(after))
+            mean = (omega + 4.0 * middle + after) / 6.0
+            bend = h * h / 12.0 * (skew(omega) @ after)
+            turn = turn @ Rotation.from_rotvec(h * mean + bend).as_matrix()
+            omega = after
+        return turn, omega
+
+    @cached_property
+    def _inverse(self) -> Floats:
+        return np.asarray(np.linalg.inv(self.inertia), dtype=np.float64)
+
+
+class RotationProcess:
+    """Constant rate, or Euler's equation where the inertia is known.
+
+    Parameters
+    ----------
+    options : NavigationOptions
+    inertia_kg_m2 : (3, 3) array, optional
+        Of the target, in its own axes; its scale does not matter.
+    """
+
+    def __init__(self, options: NavigationOptions, inertia_kg_m2: Floats | None = None) -> None:
+        self._options = options
+        known = inertia_kg_m2 is not None and options.rate_model == "inertial"
+        self._body = FreeBody(np.asarray(inertia_kg_m2)) if known else None
+
+    def predict(
+        self, state: RotationState, orbit: KeplerOrbit, from_s: float, to_s: float
+    ) -> RotationState:
+        """Carry a state from one frame to the next."""
+        step_s = to_s - from_s
+        turn, omega = self._carry(state.omega_in_target, step_s)
+        attitude = state.R_lvlh_from_target @ turn
+        spin = orbit.anomaly_rate(to_s)
+        if self._options.rate_model == "inertial":
+            advance = orbit.true_anomaly(to_s) - orbit.true_anomaly(from_s)
+            attitude = Rotation.from_rotvec([0.0, 0.0, -advance]).as_matrix() @ attitude
+        transition, noise = self._linear(0.5 * (state.omega_in_target + omega), spin, step_s)
+        covariance = transition @ state.covariance @ transition.T + noise
+        return RotationState(attitude, omega, 0.5 * (covariance + covariance.T))
+
+    def relative_from_state(
+        self, state: RotationState, orbit: KeplerOrbit, time_s: float
+    ) -> tuple[Floats, Floats]:
+        """Return the rate relative to the local frame, (3,) rad/s, and the covariance with it."""
+        if self._options.rate_model == "relative":
+            return state.omega_in_target, state.covariance
+        spin = state.R_lvlh_from_target.T @ [0.0, 0.0, orbit.anomaly_rate(time_s)]
+        change = np.eye(6)
+        change[3:, :3] = -skew(spin)
+        return state.omega_in_target - spin, change @ state.covariance @ change.T
+
+    def state_from_relative(
+        self, attitude: Floats, omega: Floats, covariance: Floats, orbit: KeplerOrbit, time_s: float
+    ) -> RotationState:
+        """Return what ``relative_from_state`` takes back."""
+        if self._options.rate_model == "relative":
+            return RotationState(attitude, omega, covariance)
+        spin = attitude.T @ [0.0, 0.0, orbit.anomaly_rate(time_s)]
+        change = np.eye(6)
+        change[3:, :3] = skew(spin)
+        return RotationState(attitude, omega + spin, change @ covariance @ change.T)
+
+    def acceleration_sigma(self, omega: Floats, spin_of_lvlh: float) -> float:
+        """Return the 1 sigma of the angular acceleration that the model leaves out, rad/s2.
+
+        A free body's is its rate squared times a ratio of differences of its moments of inertia,
+        which is below 1 for every body; in the turning frame ``omega x omega_lvlh`` comes to it.
+        """
+        speed = float(np.linalg.norm(omega))
+        if self._body is not None:
+            return self._options.inertia_accuracy * speed**2
+        if self._options.rate_model == "inertial":
+            return self._options.asymmetry * speed**2
+        # The relative rate may be small while the target turns with the local frame.
+        inertial = speed + spin_of_lvlh
+        return float(np.hypot(self._options.asymmetry * inertial**2, speed * spin_of_lvlh))
+
+    def _carry(self, omega: Floats, step_s: float) -> tuple[Floats, Floats]:
+        """Return the turn over a step, and the rate after it."""
+        if self._body is None:
+            return Rotation.from_rotvec(omega * step_s).as_matrix(), omega
+        return self._body.carry(omega, step_s)
+
+    def _linear(self, omega: Floats, spin: float, step_s: float) -> tuple[Floats, Floats]:
+        """Return the (6, 6) transition of (turn, omega) and its process noise.
+
+        Both from one exponential (Van Loan, Computing Integrals Involving the Matrix Exponential,
+        1978). The acceleration left out stays the same for about a radian: white noise of that
+        correlation time has the spectral density of its square times twice the time.
+        """
+        speed = float(np.linalg.norm(omega))
+        sigma = self.acceleration_sigma(omega, spin)
+        density = sigma**2 * 2.0 / max(speed, spin)
+        flow = np.zeros((6, 6))
+        flow[:3, :3] = -skew(omega)
+        flow[:3, 3:] = np.eye(3)
+        if self._body is not None:
+            flow[3:, 3:] = self._body.jacobian(omega)
+        both = np.zeros((12, 12))
+        both[:6, :6] = flow
+        both[3:6, 9:] = density * np.eye(3)
+        both[6:, 6:] = -flow.T
+        carried = expm(step_s * both)
+        transition = carried[:6, :6]
+        noise = carried[:6, 6:] @ transition.T
+        return transition, 0.5 * (noise + noise.T)
