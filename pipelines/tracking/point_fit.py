@@ -1,0 +1,178 @@
+"""The pose that unnamed points give near a rough one: match, solve, match again, to rest.
+
+The end is the maximum of the likelihood over pose and one-to-one matches within a gate; its
+covariance is the Cramer-Rao bound of the matches, points having equal and independent errors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import Floats, Indices
+from models.camera import Camera
+from models.pose import RigidTransform
+from pipelines.identification import one_to_one
+from pipelines.pnp.gauss_newton import gauss_newton_step, linearised
+
+MOST_ROUNDS = 12
+RESTED = 1e-9  # of the last step, in radians and in shares of the range
+LEAST_MATCHES = 4
+SINGULAR = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class PointFit:
+    """A pose with its matches.
+
+    Attributes
+    ----------
+    pose : RigidTransform
+        ``cam_from_target``.
+    covariance : (6, 6) array, rad and m
+        Rotation first, as in ``RigidTransform.perturbed``.
+    matched : (n,) int array
+        The landmark of each point, or -1.
+    residual_rms_px : float, px
+        Per axis, over the matches.
+    rested : bool
+        Whether the matches and the pose came to rest together.
+    """
+
+    pose: RigidTransform
+    covariance: Floats
+    matched: Indices
+    residual_rms_px: float
+    rested: bool
+
+    @property
+    def matches(self) -> int:
+        """Number of points matched."""
+        return int(np.count_nonzero(self.matched >= 0))
+
+
+def fit_points(
+    points_px: Floats,
+    points_in_target: Floats,
+    camera: Camera,
+    start: RigidTransform,
+    sigma_px: float,
+    first_gate_px: float,
+    gate_px: float,
+    named: Indices | None = None,
+) -> PointFit | str:
+    """Solve for the pose near a rough one.
+
+    Parameters
+    ----------
+    points_px : (n, 2) array, px
+    points_in_target : (m, 3) array, m
+        Landmarks that may show.
+    camera : Camera
+    start : RigidTransform
+        Rough ``cam_from_target``.
+    sigma_px : float, px
+        1-sigma of a point, per axis.
+    first_gate_px : float, px
+        Within which the rough pose finds matches.
+    gate_px : float, px
+        Within which the solved pose finds them.
+    named : (n,) int array, optional
+        Matches to begin with, in place of the rough pose's own: a landmark each, or -1.
+
+    Returns
+    -------
+    PointFit or str
+        In words, why there is none.
+    """
+    focal_px = 0.5 * (camera.fx + camera.fy)
+    normalised = camera.normalise(points_px)
+    rotation, translation = start.rotation[None], start.translation[None]
+    matched = named
+    widths = (max(first_gate_px, gate_px) / focal_px, gate_px / focal_px)
+    before: Indices | None = None
+    rested = False
+    for turn in range(MOST_ROUNDS):
+        predicted, _ = linearised(rotation, translation, points_in_target)
+        if turn or matched is None:
+            matched = _matches(predicted[0].T, normalised, widths[min(turn, 1)])
+        if np.count_nonzero(matched >= 0) < LEAST_MATCHES:
+            return f"{np.count_nonzero(matched >= 0)} of {len(points_px)} points match a landmark"
+        moved = _step(rotation, translation, points_in_target, normalised, matched)
+        if moved is None:
+            return "the matched points do not determine a pose"
+        change = max(
+            float(np.abs(moved[0] - rotation).max()),
+            float(np.abs(moved[1] - translation).max()) / float(translation[0, 2]),
+        )
+        rotation, translation = moved
+        if not translation[0, 2] > 0.0:
+            return "the solver put the target behind the camera"
+        same = before is not None and bool((matched == before).all())
+        if same and turn > 1 and change < RESTED:
+            rested = True
+            break
+        before = matched
+    assert matched is not None
+    return _finished(
+        rotation, translation, points_in_target, normalised, matched, sigma_px, focal_px, rested
+    )
+
+
+def _matches(predicted: Floats, normalised: Floats, gate: float) -> Indices:
+    """Match one to one, at least total squared distance; the crowded ones alone cost time."""
+    gaps = normalised[:, None, :] - predicted
+    squared = np.einsum("nmi,nmi->nm", gaps, gaps)
+    near = squared < gate * gate
+    if (near.sum(axis=0) <= 1).all() and (near.sum(axis=1) <= 1).all():
+        return np.where(near.any(axis=1), near.argmax(axis=1), -1)
+    return one_to_one(squared / gate**2, near)
+
+
+def _step(
+    rotation: Floats,
+    translation: Floats,
+    points_in_target: Floats,
+    normalised: Floats,
+    matched: Indices,
+) -> tuple[Floats, Floats] | None:
+    taken = matched >= 0
+    landmarks = points_in_target[matched[taken]]
+    observed = np.ascontiguousarray(normalised[taken].T)[None]
+    weights = np.ones((1, len(landmarks)))
+    rotation, translation, moved = gauss_newton_step(
+        rotation, translation, landmarks, observed, weights
+    )
+    return (rotation, translation) if moved[0] else None
+
+
+def _finished(
+    rotation: Floats,
+    translation: Floats,
+    points_in_target: Floats,
+    normalised: Floats,
+    matched: Indices,
+    sigma_px: float,
+    focal_px: float,
+    rested: bool,
+) -> PointFit | str:
+    taken = matched >= 0
+    predicted, jacobian = linearised(rotation, translation, points_in_target[matched[taken]])
+    flat = jacobian[0].reshape(6, -1) * (focal_px / sigma_px)
+    scale = np.sqrt(np.einsum("ij,ij->i", flat, flat))
+    balanced = flat / scale[:, None]
+    information = balanced @ balanced.T
+    eigenvalues = np.linalg.eigvalsh(information)
+    if not eigenvalues[0] > SINGULAR * eigenvalues[-1]:
+        return "the matched points do not determine a pose"
+    covariance = np.linalg.inv(information) / (scale[:, None] * scale)
+    left_px = focal_px * (normalised[taken] - predicted[0].T)
+    pose = RigidTransform(_orthonormal(rotation[0]), translation[0])
+    rms_px = float(np.sqrt(np.mean(left_px**2)))
+    return PointFit(pose, 0.5 * (covariance + covariance.T), matched, rms_px, rested)
+
+
+def _orthonormal(rotation: Floats) -> Floats:
+    """Take rounding off a rotation: one step towards its polar factor."""
+    return 1.5 * rotation - 0.5 * rotation @ rotation.T @ rotation
