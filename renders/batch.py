@@ -27,16 +27,18 @@ from rich.progress import (
 from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_text
 from models.dataset import DatasetInfo, FrameEntry, image_path, read_image
-from models.errors import DatasetError, StorageError
+from models.errors import DatasetError, ScenarioError, StorageError
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
 from renders.compose import compose
 from renders.dataset_writer import DatasetWriter, check_folder, recorded_entries
 from renders.exposure_control import ExposureControl
+from renders.image_truth import ImageTruth
 from renders.kept_light import ALL_LIGHT, LightKeeping, checked_budget, keeping
 from renders.kept_windows import windows_by_marker, write_windows
 from renders.light_groups import LightGroup
 from renders.light_keys import LightKeys
+from renders.public_half import dataset_format, public_files
 from renders.replay import (
     exposed_frames,
     light_record,
@@ -49,6 +51,7 @@ from renders.scenario import RenderRequest, resolve
 from renders.store import RadianceStore, as_half, default_store
 from renders.store_claims import Claim
 from renders.truth import ExposureTruth
+from renders.tumble_world import TumbleWorld, world_of
 from renders.variant import activate, choose_variant
 from renders.world import Exposure, World
 
@@ -65,7 +68,7 @@ class Studio:
     world: World
     store: RadianceStore
     keys: LightKeys
-    markers: MarkerPattern
+    markers: MarkerPattern | None
     scene: Any = None
     geometry: Any = None
     placed_cam_from_target: RigidTransform | None = None
@@ -84,7 +87,7 @@ class Studio:
 
     def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
         """Return the store keys of everything that can light an exposure, by group name."""
-        groups = self.world.groups(exposure.band)
+        groups = self.world.groups(exposure)
         return {group.name: self.keys.group(exposure, cam_from_target, group) for group in groups}
 
     def light(
@@ -92,11 +95,11 @@ class Studio:
     ) -> dict[LightGroup, Radiance]:
         """Return what lights an exposure's frame, from the store or traced now."""
         keys = self.group_keys(exposure, cam_from_target)
-        there = read_groups(self.store, self.world, exposure.band, keys)
+        there = read_groups(self.store, self.world, exposure, keys)
         if there is not None:
             return there
         images = self._traced_and_kept(exposure, cam_from_target, keys)
-        return {group: images[group.name] for group in self.world.lit_by(exposure.band)}
+        return {group: images[group.name] for group in self.world.lit_by(exposure)}
 
     def every_group(
         self, exposure: Exposure, cam_from_target: RigidTransform
@@ -113,11 +116,11 @@ class Studio:
         self, exposure: Exposure, cam_from_target: RigidTransform, keys: dict[str, str]
     ) -> dict[str, Radiance]:
         """Trace all groups; rounded as in the store, so that frames are the same to the bit."""
-        traced = self.trace(exposure, cam_from_target, self.world.groups(exposure.band))
+        traced = self.trace(exposure, cam_from_target, self.world.groups(exposure))
         halves = {name: as_half(image) for name, image in traced.items()}
         if self.kept.keeps_whole(exposure.frame):
             self.store.write_all({keys[name]: half for name, half in halves.items()})
-            for group in self.world.lit_by(exposure.band):
+            for group in self.world.lit_by(exposure):
                 self._check_kept(keys[group.name], halves[group.name])
         return {name: half.astype(np.float32) for name, half in halves.items()}
 
@@ -156,10 +159,25 @@ class Studio:
             ),
         )
 
+    def sealed(
+        self, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> ExposureTruth | ImageTruth:
+        """Return the sealed record of an exposure, of whatever kind the world is."""
+        if not isinstance(self.world, TumbleWorld):
+            return self.truth(exposure, cam_from_target)
+        from renders.landmark_truth import image_truth
+
+        self.build(cam_from_target)
+        return image_truth(self.scene, self.world, exposure, cam_from_target)
+
     def truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> ExposureTruth:
-        """Return the sealed record of an exposure."""
+        """Return the sealed record of one exposure of a pair."""
         from renders.labels import marker_light, outline_centres_px
 
+        if self.markers is None:
+            raise ScenarioError(
+                f"expected a target with markers, {self.world.target.name} has none"
+            )
         self.build(cam_from_target)
         camera, sun = self.world.camera, self.world.sun
         light = marker_light(
@@ -208,32 +226,34 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     ScenarioError, DatasetError, VariantError, StorageError
         Each says what to do; nothing already rendered is lost.
     """
-    world = World(resolve(request))
+    world = world_of(resolve(request))
     info = DatasetInfo(
         case=world.scenario.name,
         sun=world.scenario.sun.default,
         frames=len(world.scenario.times_s),
         target=world.target.name,
         provenance={"scenario": world.scenario.fingerprint()},
+        format=dataset_format(world),
     )
     check_folder(request.out, info)
     kept, limit_bytes = keeping(request), checked_budget(request, world)
-    knowledge = world.knowledge(run=0)
+    _check_kind(request, world)
+    known = public_files(world)
     world.check_poses()
-    control = ExposureControl(world, knowledge.prior)
+    control = ExposureControl(world, world.prior(run=0))
     control.resume(recorded_entries(request.out))
     variant = choose_variant(request.variant)
     info = replace(info, provenance=provenance(world, variant))
     store = RadianceStore(request.store or default_store(), limit_bytes, request.threads)
     keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
-    studio = Studio(world, store, keys, knowledge.markers, kept=kept)
+    studio = Studio(world, store, keys, world.target.markers, kept=kept)
     from renders.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
     writer = DatasetWriter(
-        request.out, info, knowledge, control.entries, labels, world.scenario.to_toml()
+        request.out, info, known, control.entries, labels, world.scenario.to_toml(), world.bands
     )
-    poses = {e: world.approach.cam_from_target(e.time_s) for e in world.exposures}
+    poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
     windows = kept.keeps_windows
     is_there = {e: writer.has_exposure(e.frame, e.band, windows) for e in world.exposures}
     there = [e for e in world.exposures if is_there[e]]
@@ -254,8 +274,9 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         store.open_for_writing()
     _activate(variant, request.threads)
     console = console or Console(stderr=True)
+    frames = "image pairs" if len(world.bands) > 1 else "images"
     console.print(
-        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {info.frames} image pairs at "
+        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {info.frames} {frames} at "
         f"{world.camera.width} x {world.camera.height}, {variant}; "
         f"{len(there)} of {len(world.exposures)} exposures are there already",
         soft_wrap=True,
@@ -282,10 +303,26 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     writer.finish()
 
 
+def _check_kind(request: RenderRequest, world: World) -> None:
+    """Refuse what single images of a target without markers cannot give."""
+    if not isinstance(world, TumbleWorld):
+        return
+    if request.keep_light == "markers":
+        raise ScenarioError(
+            f"expected --keep-light all or none: {world.target.name} is seen without markers, "
+            "got markers"
+        )
+    if request.seeds > 1:
+        raise ScenarioError(
+            f"expected --seeds 1 for {world.scenario.name}, a dataset of single images, "
+            f"got {request.seeds}"
+        )
+
+
 def _entry(control: ExposureControl, writer: DatasetWriter, frame: int) -> FrameEntry:
     """Return a frame's row; what is metered on the way is written down before it is used."""
-    known = len(control.entries)
-    entry = control.entry(frame, lambda index: read_image(image_path(writer.folder, index, 850)))
+    known, band = len(control.entries), writer.bands[-1]
+    entry = control.entry(frame, lambda index: read_image(image_path(writer.folder, index, band)))
     if len(control.entries) > known:
         writer.write_frames()
     return entry
@@ -300,15 +337,16 @@ def _render_exposure(
 ) -> None:
     if studio.kept.keeps_windows:
         by_name = studio.every_group(exposure, cam_from_target)
+        assert studio.markers is not None
         windows = windows_by_marker(studio.markers, studio.world.camera, cam_from_target)
         write_windows(writer.windows_path(exposure.frame, exposure.band), windows, by_name)
-        groups = {group: by_name[group.name] for group in studio.world.lit_by(exposure.band)}
+        groups = {group: by_name[group.name] for group in studio.world.lit_by(exposure)}
     else:
         groups = studio.light(exposure, cam_from_target)
     _put_pixel_truth(studio, writer, exposure, cam_from_target)
     depth_m = read_depth(studio.world, writer.folder, exposure)
     image = compose(studio.world, groups, exposure, exposure_ms, 0, depth_m)
-    writer.write_exposure(image, studio.truth(exposure, cam_from_target))
+    writer.write_exposure(image, studio.sealed(exposure, cam_from_target))
 
 
 def _put_pixel_truth(

@@ -73,7 +73,7 @@ def _glares(
     scatter = world.scenario.simulated_scatter
     if scatter.peak_1_sr <= 0.0:
         return
-    cam_from_target = world.approach.cam_from_target(exposure.time_s)
+    cam_from_target = world.trajectory.cam_from_target(exposure.time_s)
     lens = cam_from_target.inverse().translation
     for group in groups:
         if not isinstance(group, SunGroup):

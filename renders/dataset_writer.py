@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,18 +17,16 @@ from models.atomic_file import sweep_scratch, write_bytes, write_text
 from models.dataset import (
     DatasetInfo,
     FrameEntry,
-    detector_to_toml,
     encode_image,
+    exposure_name,
     frames_to_csv,
     image_path,
     info_to_json,
-    markers_to_toml,
-    prior_to_toml,
     read_frame_entries,
     read_info,
 )
 from models.errors import DatasetError
-from models.frame import FlightKnowledge
+from renders.image_truth import ImageTruth
 from renders.sealed_exr import read_exr, write_exr
 from renders.store import KEY, RadianceStore
 from renders.truth import ExposureTruth
@@ -65,7 +64,7 @@ def check_folder(folder: Path, info: DatasetInfo) -> None:
         raise DatasetError(f"expected a folder at {folder}, found a file; choose another --out")
     if not (folder / "dataset.json").exists():
         return
-    there = read_info(folder)
+    there = read_info(folder, info.format)
     if there.provenance.get("scenario") != info.provenance.get("scenario"):
         raise DatasetError(
             f"expected {folder} to be empty or to hold this very scenario ({_told(info)}); "
@@ -90,21 +89,26 @@ class DatasetWriter:
     ----------
     folder : Path
     info : DatasetInfo
-    knowledge : FlightKnowledge
+    known : mapping of str to str
+        Texts of the files that are on board before the first frame, by name; see
+        ``renders.public_half``.
     entries : list of FrameEntry
         Those known; the list may grow, see ``renders.exposure_control``.
     labels : tuple of str
         Names of the part labels.
     scenario_toml : str
         The resolved scenario; it goes behind the wall, since it holds the motion.
+    bands : tuple of int
+        The exposures of a frame, in order of time.
     """
 
     folder: Path
     info: DatasetInfo
-    knowledge: FlightKnowledge
+    known: Mapping[str, str]
     entries: list[FrameEntry]
     labels: tuple[str, ...]
     scenario_toml: str
+    bands: tuple[int, ...] = (800, 850)
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -120,10 +124,7 @@ class DatasetWriter:
         sweep_scratch(self.folder)
         texts = {
             "dataset.json": info_to_json(self.info),
-            "camera.toml": self.knowledge.camera.to_toml(),
-            "detector.toml": detector_to_toml(self.knowledge.detector),
-            "markers.toml": markers_to_toml(self.knowledge.markers),
-            "prior.toml": prior_to_toml(self.knowledge),
+            **self.known,
             "truth/parts.json": json.dumps(self.labels) + "\n",
             "truth/scenario.toml": self.scenario_toml,
         }
@@ -137,19 +138,19 @@ class DatasetWriter:
 
     def truth_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's truth lies until the dataset is complete."""
-        return self.folder / "truth" / "exposures" / f"{frame:06d}_{band}.json"
+        return self.folder / "truth" / "exposures" / f"{exposure_name(frame, band)}.json"
 
     def labels_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's part labels lie."""
-        return self.folder / "truth" / "labels" / f"{frame:06d}_{band}.png"
+        return self.folder / "truth" / "labels" / f"{exposure_name(frame, band)}.png"
 
     def geometry_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's depth and normals lie."""
-        return self.folder / "truth" / "geometry" / f"{frame:06d}_{band}.exr"
+        return self.folder / "truth" / "geometry" / f"{exposure_name(frame, band)}.exr"
 
     def windows_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's marker windows lie, if they are kept."""
-        return self.folder / "truth" / "marker_windows" / f"{frame:06d}_{band}.exr"
+        return self.folder / "truth" / "marker_windows" / f"{exposure_name(frame, band)}.exr"
 
     def has_exposure(self, frame: int, band: int, windows: bool = False) -> bool:
         """Tell whether everything of an exposure is there; its image is written last.
@@ -167,7 +168,7 @@ class DatasetWriter:
             and self.geometry_path(frame, band).is_file()
         )
 
-    def write_exposure(self, image: Image, truth: ExposureTruth) -> None:
+    def write_exposure(self, image: Image, truth: ExposureTruth | ImageTruth) -> None:
         """Write an exposure's truth and then its image; the pixel truth must be there already."""
         text = json.dumps(truth.to_json()) + "\n"
         write_text(self.truth_path(truth.frame, truth.band), text)
@@ -215,7 +216,7 @@ class DatasetWriter:
         lines = [
             self.truth_path(entry.index, band).read_text()
             for entry in self.entries
-            for band in (800, 850)
+            for band in self.bands
         ]
         write_text(self.folder / "truth" / "exposures.jsonl", "".join(lines))
 

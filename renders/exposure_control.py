@@ -1,8 +1,8 @@
 """Which exposure time each frame has: planned, fixed, or metered from the frame before.
 
 Whatever sets it, a frame's exposure time is public: it stands in ``frames.csv``, and a flight
-computer knows it. What is metered follows from the 850 nm image of the frame before, so it is the
-same however often a run was cut: the image lies on the disk.
+computer knows it. What is metered follows from the image of the frame before (of a pair the 850 nm
+one), so it is the same however often a run was cut: the image lies on the disk.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class ExposureControl:
     Parameters
     ----------
     world : World
-    prior : RigidTransform
+    prior : RigidTransform or None
         Of the run; a planned exposure rests on it.
 
     Attributes
@@ -31,7 +31,7 @@ class ExposureControl:
         What is known so far, from the first frame on; it grows where exposures are metered.
     """
 
-    def __init__(self, world: World, prior: RigidTransform) -> None:
+    def __init__(self, world: World, prior: RigidTransform | None) -> None:
         self.world = world
         self.entries = world.frame_entries(prior)
         self.detector = world.scenario.simulated_detector
@@ -56,19 +56,19 @@ class ExposureControl:
             else:
                 return
 
-    def entry(self, frame: int, image_850: Callable[[int], Image]) -> FrameEntry:
+    def entry(self, frame: int, image_of: Callable[[int], Image]) -> FrameEntry:
         """Return a frame's row.
 
         Parameters
         ----------
         frame : int
-        image_850 : callable
-            Gives the 850 nm image of a frame before this one; asked only for what is not metered
-            yet.
+        image_of : callable
+            Gives the image of a frame before this one, of a pair the 850 nm one; asked only for
+            what is not metered yet.
         """
         while len(self.entries) <= frame:
             before = self.entries[-1]
-            image = image_850(before.index)
+            image = image_of(before.index)
             exposure_ms = self.meter.next_ms(before.exposure_ms, image, self.detector)
             index = before.index + 1
             self.entries.append(FrameEntry(index, self.world.scenario.times_s[index], exposure_ms))

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 from models.errors import ScenarioError
 from renders.scenario import RenderRequest
 from renders.store_budget import GB, budget_bytes
-from renders.world import BANDS, World
+from renders.world import World
 
 What: TypeAlias = Literal["all", "markers", "none"]
 KEEP_EVERY = 10  # frames from one whole frame to the next, unless asked
@@ -84,7 +84,7 @@ def keeping(request: RenderRequest) -> LightKeeping:
 
 def exposure_bytes(world: World) -> int:
     """Return the most that one exposure can take in the store: all that is never compressed."""
-    groups = max(len(world.groups(band)) for band in BANDS)
+    groups = max(len(world.groups(exposure)) for exposure in world.exposures[: len(world.bands)])
     each = GROUP_BYTES * groups + GEOMETRY_BYTES
     return each * world.camera.width * world.camera.height + HEADER_BYTES * (groups + 1)
 
@@ -99,7 +99,7 @@ def checked_budget(request: RenderRequest, world: World) -> float:
     """
     budget, least = budget_bytes(request.store_budget_gb), exposure_bytes(world)
     if keeping(request).uses_store and budget < least:
-        groups = len(world.groups(BANDS[0]))
+        groups = len(world.groups(world.exposures[0]))
         raise ScenarioError(
             f"expected --store-budget-gb of at least {least / GB:.2g}, so that one exposure of "
             f"{groups} light groups at {world.camera.width} x {world.camera.height} is sure to "

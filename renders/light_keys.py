@@ -51,7 +51,7 @@ class LightKeys:
             "physics": PHYSICS_VERSION,
             "family": family,
             "target": spacecraft_hash(world.target),
-            "chaser": spacecraft_hash(world.chaser),
+            "chaser": None if world.chaser is None else spacecraft_hash(world.chaser),
             "optics": asdict(world.optics),
             "camera": asdict(world.camera),
             "render": render,

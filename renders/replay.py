@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from models.arrays import Image, Radiance
-from models.dataset import FrameEntry
+from models.dataset import FrameEntry, exposure_name
 from models.errors import DatasetError, StorageError, cause
 from models.frame import FlightKnowledge, Frame
 from renders.compose import compose
@@ -29,11 +29,11 @@ from renders.world import BANDS, Exposure, World
 
 
 def read_groups(
-    store: RadianceStore, world: World, band: int, keys: Mapping[str, str]
+    store: RadianceStore, world: World, exposure: Exposure, keys: Mapping[str, str]
 ) -> dict[LightGroup, Radiance] | None:
     """Read what lights one exposure, or None if an entry is absent or damaged."""
     groups: dict[LightGroup, Radiance] = {}
-    for group in world.lit_by(band):
+    for group in world.lit_by(exposure):
         radiance = store.read(keys[group.name]) if group.name in keys else None
         if radiance is None:
             return None
@@ -51,7 +51,7 @@ def read_depth(world: World, folder: Path, exposure: Exposure) -> Radiance | Non
     """
     if not world.scenario.needs_depth:
         return None
-    path = folder / "truth" / "geometry" / f"{_named(exposure.frame, exposure.band)}.exr"
+    path = folder / "truth" / "geometry" / f"{exposure_name(exposure.frame, exposure.band)}.exr"
     channels = read_exr(path)
     if channels is None:
         raise DatasetError(
@@ -67,7 +67,7 @@ def light_record(
     kept: LightKeeping = ALL_LIGHT,
 ) -> str:
     """Return the text of ``truth/light.json``."""
-    exposures = {_named(frame, band): dict(names) for (frame, band), names in keys.items()}
+    exposures = {exposure_name(frame, band): dict(names) for (frame, band), names in keys.items()}
     table = {"store": str(store.folder.resolve()), "exposures": exposures}
     if kept != ALL_LIGHT:
         table["kept"] = str(kept)
@@ -109,12 +109,8 @@ def lit_otherwise(
     return [
         (frame, band)
         for frame, band in rendered
-        if recorded.get(_named(frame, band), keys[frame, band]) != keys[frame, band]
+        if recorded.get(exposure_name(frame, band), keys[frame, band]) != keys[frame, band]
     ]
-
-
-def _named(frame: int, band: int) -> str:
-    return f"{frame:06d}_{band}"
 
 
 def _how_to_bring_back(folder: Path) -> str:
@@ -142,7 +138,10 @@ def light_held(folder: Path) -> Iterator[None]:
     store, recorded = read_light_record(folder)
     needed = needed_keys(
         world,
-        {(e.frame, e.band): recorded.get(_named(e.frame, e.band), {}) for e in world.exposures},
+        {
+            (e.frame, e.band): recorded.get(exposure_name(e.frame, e.band), {})
+            for e in world.exposures
+        },
     )
     name, sun = world.scenario.name, world.scenario.sun.default
     claim = Claim(name, sun, folder, needed)
@@ -159,10 +158,10 @@ def light_held(folder: Path) -> Iterator[None]:
 def needed_keys(world: World, keys: Mapping[tuple[int, int], Mapping[str, str]]) -> frozenset[str]:
     """Return the keys of what lights the frames themselves, out of those of each exposure."""
     return frozenset(
-        names[group.name]
-        for (_, band), names in keys.items()
-        for group in world.lit_by(band)
-        if group.name in names
+        keys[exposure.frame, exposure.band][group.name]
+        for exposure in world.exposures
+        for group in world.lit_by(exposure)
+        if group.name in keys[exposure.frame, exposure.band]
     )
 
 
@@ -189,8 +188,8 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
 
     def image(entry: FrameEntry, band: int) -> Image:
         exposure = exposures[entry.index, band]
-        keys = recorded.get(_named(entry.index, band), {})
-        groups = read_groups(store, world, band, keys)
+        keys = recorded.get(exposure_name(entry.index, band), {})
+        groups = read_groups(store, world, exposure, keys)
         if groups is None:
             raise DatasetError(
                 f"expected the light of frame {entry.index} at {band} nm in {store.folder}, "

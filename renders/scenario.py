@@ -36,6 +36,7 @@ from renders.scenario_errors import explain
 from renders.scenario_lights import EarthTable, FloodlightTable, check_earth
 from renders.scenario_sky import StarsTable, check_stars
 from renders.scenario_table import Table
+from renders.scenario_tumble import TumbleTable, check_tumble
 
 CASES = Path(__file__).resolve().parent.parent / "bench" / "cases"
 OPTIONS = {
@@ -59,7 +60,10 @@ class LampsTable(Table):
 
 
 class SunTable(Table):
-    """Where the Sun stands: S1 to S7, or a vector x,y,z in the target frame."""
+    """Where the Sun stands: S1 to S7, or a vector x,y,z in the target frame.
+
+    With ``[tumble]`` a vector in the inertial frame of the orbit.
+    """
 
     default: str = Field("S2", description='S1 to S7, or a vector such as "0.2,-0.5,1"')
     shared: tuple[str, ...] = Field((), description="Suns rendered in one pass with any other")
@@ -74,11 +78,11 @@ class RetroreflectorTable(Table):
 
 
 class MotionTable(Table):
-    """The approach and its clock; see ``models.motion.approach``."""
+    """The approach and its clock, or that of ``[tumble]``; see ``models.motion.approach``."""
 
     start_s: float = Field(0.0, ge=0)
     end_s: float = Field(330.0, gt=0)
-    rate_hz: float = Field(5.0, gt=0, le=15, description="pose rate; the pair is 33 ms apart")
+    rate_hz: float = Field(5.0, gt=0, le=15, description="pose rate; a pair is 33 ms apart")
     pair_gap_ms: float = Field(33.0, gt=0, description="800 nm exposure before the 850 nm one")
     target_wobble: bool = Field(True, description="attitude motion of the stabilised target")
 
@@ -107,7 +111,7 @@ class CalibrationTable(Table):
 
 
 class Scenario(Table):
-    """Everything that shapes a dataset."""
+    """Everything that shapes a dataset: of image pairs, or of single images if it tumbles."""
 
     name: str
     description: str = ""
@@ -128,10 +132,11 @@ class Scenario(Table):
     exposure: ExposureTable = ExposureTable()  # type: ignore[call-arg]
     prior: PriorTable = PriorTable()
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
+    tumble: TumbleTable | None = Field(None, description="a free target, without markers")
 
     @property
     def times_s(self) -> list[float]:
-        """Middles of the 850 nm exposures, s."""
+        """Middles of the exposures, s; of a pair, of the 850 nm one."""
         span = self.motion.end_s - self.motion.start_s
         count = int(span * self.motion.rate_hz + 1e-9) + 1
         return [self.motion.start_s + number / self.motion.rate_hz for number in range(count)]
@@ -183,11 +188,11 @@ class Scenario(Table):
 
     def to_toml(self) -> str:
         """Write the scenario with every default resolved."""
-        return tomli_w.dumps(json.loads(self.model_dump_json()))
+        return tomli_w.dumps(json.loads(self.model_dump_json(exclude_none=True)))
 
     def fingerprint(self) -> str:
         """Return a hash of everything in it but its prose."""
-        table = self.model_dump(mode="json", exclude={"description"})
+        table = self.model_dump(mode="json", exclude={"description"}, exclude_none=True)
         return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
@@ -291,7 +296,8 @@ def read_scenario(path: Path) -> Scenario:
 def check_scenario(scenario: Scenario, where: str) -> Scenario:
     """Refuse what no single key can show: an empty span, a Sun that is none, odd samples."""
     motion = scenario.motion
-    if motion.pair_gap_ms * motion.rate_hz >= 1e3:
+    in_pairs = scenario.tumble is None
+    if in_pairs and motion.pair_gap_ms * motion.rate_hz >= 1e3:
         raise ScenarioError(
             f"{where}: expected motion.pair_gap_ms below the time between pairs, "
             f"{1e3 / motion.rate_hz:g} ms at {motion.rate_hz:g} Hz, got {motion.pair_gap_ms:g} ms"
@@ -301,7 +307,11 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
             f"{where}: expected motion.end_s after motion.start_s, "
             f"got {motion.start_s} to {motion.end_s} s"
         )
-    check_exposure(scenario.exposure, motion.pair_gap_ms, where)
+    check_tumble(scenario, where)
+    gap = ("motion.pair_gap_ms", motion.pair_gap_ms)
+    if not in_pairs:
+        gap = ("the time between images", 1e3 / motion.rate_hz)
+    check_exposure(scenario.exposure, *gap, where)
     check_focus(scenario.optics, where)
     check_earth(scenario.earth, where)
     check_stars(scenario.stars, where)

@@ -73,7 +73,8 @@ class ExposureTable(Table):
     """Exposure time; see ``renders.exposure_control`` and ``models.auto_exposure``.
 
     ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
-    given, each other metered from the 850 nm image before it. ``fixed``: as given.
+    given, each other metered from the image before it, of a pair from the 850 nm one. ``fixed``: as
+    given.
     """
 
     mode: Literal["schedule", "auto", "fixed"] = "schedule"
@@ -104,8 +105,16 @@ def check_focus(table: OpticsTable, where: str) -> None:
         )
 
 
-def check_exposure(table: ExposureTable, pair_gap_ms: float, where: str) -> None:
+def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) -> None:
     """Refuse a shortest exposure above the longest, and exposures that last into the next.
+
+    Parameters
+    ----------
+    table : ExposureTable
+    gap : str
+        What the time from one exposure to the next is called.
+    gap_ms : float, ms
+    where : str
 
     Raises
     ------
@@ -123,8 +132,8 @@ def check_exposure(table: ExposureTable, pair_gap_ms: float, where: str) -> None
                 f"{table.min_ms:g} to {table.max_ms:g} ms"
             )
         longest, key = table.max_ms, "max_ms"
-    if longest >= pair_gap_ms:
+    if longest >= gap_ms:
         raise ScenarioError(
-            f"{where}: expected exposure.{key} below motion.pair_gap_ms, {pair_gap_ms:g} ms, "
+            f"{where}: expected exposure.{key} below {gap}, {gap_ms:g} ms, "
             f"when the next exposure begins, got {longest:g} ms"
         )

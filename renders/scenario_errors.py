@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
+from types import NoneType
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -91,8 +92,14 @@ def _table(location: tuple[Any, ...], root: type[BaseModel]) -> type[BaseModel] 
     table = root
     for key in location:
         field = table.model_fields.get(key)
-        inner = field.annotation if field is not None else None
+        inner = _without_none(field.annotation) if field is not None else None
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
             return None
         table = inner
     return table
+
+
+def _without_none(annotation: Any) -> Any:
+    """Return what an optional table is where it is one."""
+    kinds = [kind for kind in get_args(annotation) if kind is not NoneType]
+    return kinds[0] if len(kinds) == 1 and NoneType in get_args(annotation) else annotation

@@ -141,7 +141,7 @@ class PoseLight:
             world = World(scenario.model_copy(update={"sun": table}))
             own = []
             for exposure in self.studio.world.exposures:
-                for group in world.lit_by(exposure.band):
+                for group in world.lit_by(exposure):
                     key = self.studio.keys.group(exposure, self.poses[exposure.band], group)
                     own.append(known.setdefault(key, GroupOfExposure(exposure, group, key)))
             found.append(own)
@@ -227,13 +227,14 @@ class PoseLight:
         """
         from renders.labels import marker_light
 
-        exposure = self.studio.world.exposures[-1]
+        exposure, markers = self.studio.world.exposures[-1], self.studio.markers
+        assert markers is not None
         pose = self.poses[exposure.band]
         truth = self.studio.truth(exposure, pose)
         directions = {sun.text: _components(sun) for sun in self.suns}
         light = marker_light(
             self.studio.scene,
-            self.studio.markers,
+            markers,
             self.studio.world.camera,
             pose,
             self.studio.world.lamps(exposure.band).ring,

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
+from models.arrays import Floats
 from models.camera import Camera
 from models.dataset import FrameEntry
 from models.errors import ScenarioError
@@ -43,18 +45,38 @@ BANDS = (800, 850)
 
 @dataclass(frozen=True)
 class Exposure:
-    """One image to be taken: frame number, band (800 or 850) and middle of the exposure, s."""
+    """One image to be taken: frame number, band and middle of the exposure, s.
+
+    The band is 800 or 850, or ``models.dataset.FILTERED`` for a single image.
+    """
 
     frame: int
     band: int
     time_s: float
 
 
+class Trajectory(Protocol):
+    """A true motion: the pose at any instant."""
+
+    def cam_from_target(self, time_s: float, /) -> RigidTransform:
+        """Return the true pose."""
+        ...
+
+
 @dataclass(frozen=True)
 class World:
-    """A scenario's things; see ``renders.scenario``."""
+    """A scenario's things: image pairs of a target with markers; see ``renders.scenario``.
+
+    What depends on time is asked for an exposure: see ``renders.tumble_world`` for a world in
+    which Sun and Earth move through the target's sky.
+    """
 
     scenario: Scenario
+
+    @property
+    def bands(self) -> tuple[int, ...]:
+        """The exposures of one frame, in order of time; the last meters the next frame."""
+        return BANDS
 
     @cached_property
     def camera(self) -> Camera:
@@ -67,8 +89,8 @@ class World:
         return spacecraft_by_name(self.scenario.target)
 
     @cached_property
-    def chaser(self) -> Spacecraft:
-        """The chaser, in the camera's frame."""
+    def chaser(self) -> Spacecraft | None:
+        """The chaser, in the camera's frame; None where it is too far off to matter."""
         return spacecraft_by_name("chaser")
 
     @cached_property
@@ -77,6 +99,11 @@ class World:
         if self.scenario.motion.target_wobble:
             return Approach()
         return Approach(pointing_accuracy_deg=0.0)
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The true motion, whatever moves."""
+        return self.approach
 
     @cached_property
     def flight_plan(self) -> Approach:
@@ -129,18 +156,24 @@ class World:
             return shared
         return [*shared, self.sun]
 
-    def earth_under(self, sun: SunGroup) -> list[EarthGroup]:
+    def sun_at(self, sun: SunGroup, time_s: float) -> SunGroup:
+        """Return a Sun as it stands at an instant: here the target hardly turns."""
+        return sun
+
+    def earth_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return the unit vector towards the Earth's centre, target frame, and its distance, km."""
+        table = self.scenario.earth
+        return unit_direction(table.direction), table.orbit_radius_km
+
+    def earth_under(self, sun: SunGroup, time_s: float) -> list[EarthGroup]:
         """Return the Earth as a Sun lights it, if the scenario has one."""
         table = self.scenario.earth
         if not table.shines:
             return []
-        x, y, z = unit_direction(table.direction).tolist()
+        direction, radius_km = self.earth_at(time_s)
+        x, y, z = direction.tolist()
         earth = Earth(
-            (x, y, z),
-            sun.direction_in_target,
-            table.orbit_radius_km,
-            table.albedo,
-            sun.irradiance_w_m2,
+            (x, y, z), sun.direction_in_target, radius_km, table.albedo, sun.irradiance_w_m2
         )
         return [EarthGroup(sun.name.replace("sun", "earth", 1), earth)]
 
@@ -160,15 +193,20 @@ class World:
         )
         return [LampGroup("floodlight", ring, SUNLIGHT)]
 
-    def lit_by(self, band: int) -> list[LightGroup]:
-        """Return the groups that light one exposure under the scenario's Sun."""
-        lamps = [*self.floodlights, self.lamps(band)]
-        return [self.sun, *self.earth_under(self.sun), *lamps]
+    def lamps_of(self, band: int) -> list[LampGroup]:
+        """Return every lamp that shines on an exposure of ``band``."""
+        return [*self.floodlights, self.lamps(band)]
 
-    def groups(self, band: int) -> list[LightGroup]:
-        """Return every group that is rendered for an exposure of ``band``."""
-        earths = [earth for sun in self.suns for earth in self.earth_under(sun)]
-        return [*self.suns, *earths, *self.floodlights, self.lamps(band)]
+    def lit_by(self, exposure: Exposure) -> list[LightGroup]:
+        """Return the groups that light one exposure under the scenario's Sun."""
+        sun = self.sun_at(self.sun, exposure.time_s)
+        return [sun, *self.earth_under(sun, exposure.time_s), *self.lamps_of(exposure.band)]
+
+    def groups(self, exposure: Exposure) -> list[LightGroup]:
+        """Return every group that is rendered for an exposure; the names are those of all."""
+        suns = [self.sun_at(sun, exposure.time_s) for sun in self.suns]
+        earths = [earth for sun in suns for earth in self.earth_under(sun, exposure.time_s)]
+        return [*suns, *earths, *self.lamps_of(exposure.band)]
 
     def render_seed(self, frame: int) -> int:
         """Return the seed of both exposures of a frame: their noise cancels in the difference."""
@@ -184,7 +222,7 @@ class World:
             The message names the time.
         """
         for exposure in self.exposures:
-            cam_from_target = self.approach.cam_from_target(exposure.time_s)
+            cam_from_target = self.trajectory.cam_from_target(exposure.time_s)
             place = cam_from_target.inverse().translation
             if is_inside(self.target, place):
                 where = ", ".join(f"{x:.2f}" for x in place)
@@ -205,7 +243,7 @@ class World:
         sigma_m = np.array(self.scenario.prior.sigma_t_m)
         sigma_deg = np.array(self.scenario.prior.sigma_euler_deg)
         return FlightKnowledge(
-            camera=self._calibrated_camera(run),
+            camera=self.calibrated_camera(run),
             detector=self.scenario.simulated_detector,
             markers=self.target.markers,
             prior=draw_prior(first, sigma_m, sigma_deg, np.random.default_rng([run, PRIOR_DRAW])),
@@ -213,7 +251,8 @@ class World:
             prior_sigma_deg=sigma_deg,
         )
 
-    def _calibrated_camera(self, run: int) -> Camera:
+    def calibrated_camera(self, run: int) -> Camera:
+        """Return the camera as a run's calibration has it."""
         table = self.scenario.calibration
         draw = np.random.default_rng([run, CALIBRATION_DRAW]).standard_normal(4)
         focal, centre = table.sigma_focal_px, table.sigma_principal_point_px
@@ -242,7 +281,11 @@ class World:
         rate = radiance * electrons_per_radiance(self.scenario.simulated_optics, detector, 850.0)
         return float(1e3 * self.scenario.exposure.marker_fill * detector.full_well_e / rate)
 
-    def frame_entries(self, prior: RigidTransform) -> list[FrameEntry]:
+    def prior(self, run: int) -> RigidTransform | None:
+        """Return the first pose as drawn in a run; None where none is known on board."""
+        return self.knowledge(run).prior
+
+    def frame_entries(self, prior: RigidTransform | None) -> list[FrameEntry]:
         """Return the rows of ``frames.csv`` for a run's prior that are known before any image.
 
         All of them, unless each exposure is metered from the image before: then the first alone
@@ -250,6 +293,11 @@ class World:
         """
         table, times_s = self.scenario.exposure, self.scenario.times_s
         if table.mode == "schedule":
+            if prior is None:
+                raise ScenarioError(
+                    f"{self.scenario.name}: expected exposure.mode as auto or fixed where no prior "
+                    "is known on board, got 'schedule'"
+                )
             return [
                 FrameEntry(frame, time_s, self.exposure_ms(time_s, prior))
                 for frame, time_s in enumerate(times_s)

@@ -137,6 +137,11 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         threads=request.threads,
     )
     scenario = resolve(asked)
+    if scenario.tumble is not None:
+        raise ScenarioError(
+            f"expected a case of image pairs to sweep, {scenario.name} gives single images of a "
+            "free target; `rvbench list` names the cases"
+        )
     if request.width is None and scenario.camera.width > DEFAULT_WIDTH_PX:
         scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
     if request.marker_samples is not None:

@@ -127,8 +127,9 @@ def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
     """Read what lights a shot, by band; None if an entry is absent or damaged."""
     world, store = World(shot.scenario), RadianceStore(shot.store)
     light = {}
+    exposures = {exposure.band: exposure for exposure in world.exposures}
     for band, keys in shot.light.items():
-        groups = read_groups(store, world, band, keys)
+        groups = read_groups(store, world, exposures[band], keys)
         if groups is None:
             return None
         light[band] = groups

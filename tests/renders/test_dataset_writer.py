@@ -17,6 +17,7 @@ from models.errors import DatasetError, StorageError
 from models.pose import RigidTransform
 from renders.dataset_writer import DatasetWriter, is_whole_png
 from renders.labels import PixelTruth
+from renders.public_half import public_files
 from renders.scenario import RenderRequest, resolve
 from renders.sealed_exr import read_exr
 from renders.store import RadianceStore, entry_key
@@ -42,7 +43,7 @@ def world() -> World:
 def writer_at(folder: Path, world: World, scenario: str = "one") -> DatasetWriter:
     info = DatasetInfo("maxar-demo", "S2", 2, "maxar1300", {"scenario": scenario})
     toml = world.scenario.to_toml()
-    return DatasetWriter(folder, info, world.knowledge(0), ENTRIES, ("bus", "ring"), toml)
+    return DatasetWriter(folder, info, public_files(world), ENTRIES, ("bus", "ring"), toml)
 
 
 @pytest.fixture

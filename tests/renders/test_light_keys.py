@@ -40,7 +40,7 @@ def keys_of(world: World, family: str = "jit", exposure: Exposure = EXPOSURE) ->
     """Return the keys of one exposure: each group's and the geometry's."""
     keys = LightKeys(world, family)
     pose = world.approach.cam_from_target(exposure.time_s)
-    named = {group.name: keys.group(exposure, pose, group) for group in world.groups(exposure.band)}
+    named = {group.name: keys.group(exposure, pose, group) for group in world.groups(exposure)}
     return {**named, "geometry": keys.geometry(exposure, pose)}
 
 

@@ -49,7 +49,7 @@ def test_the_two_bands_have_noise_of_their_own(rendered_once: TinyDataset) -> No
     world = rendered_once.world
     light = json.loads((rendered_once.folder / "truth" / "light.json").read_text())["exposures"]
     exposure = world.exposures[1]
-    groups = read_groups(rendered_once.store, world, 850, light["000000_850"])
+    groups = read_groups(rendered_once.store, world, world.exposures[1], light["000000_850"])
     assert groups is not None
     image = compose(world, groups, exposure, 1.0, run=0)
     other = compose(world, groups, world.exposures[0], 1.0, run=0)
@@ -58,8 +58,8 @@ def test_the_two_bands_have_noise_of_their_own(rendered_once: TinyDataset) -> No
 
 def test_a_frame_is_lit_by_its_sun_and_the_lamps_of_its_band(rendered_once: TinyDataset) -> None:
     world = rendered_once.world
-    assert [group.name for group in world.lit_by(800)] == ["sun_S2", "lamps_800"]
-    assert [group.name for group in world.lit_by(850)] == ["sun_S2", "lamps_850"]
+    assert [group.name for group in world.lit_by(world.exposures[0])] == ["sun_S2", "lamps_800"]
+    assert [group.name for group in world.lit_by(world.exposures[1])] == ["sun_S2", "lamps_850"]
 
 
 def test_replaying_loads_no_renderer(rendered_once: TinyDataset) -> None:

@@ -22,6 +22,7 @@ from renders.scenario import (
     read_scenario,
     resolve,
 )
+from tests.support.tumble_scenario import TUMBLE
 
 REQUEST = RenderRequest("maxar-demo", Path("unused"))
 
@@ -271,7 +272,7 @@ def otherwise(value: Any) -> Any:
         return value * 0.99 + 0.001
     if isinstance(value, str):
         return {"S2": "S3", "schedule": "fixed"}.get(value, value + "_other")
-    if value and isinstance(value[0], float):
+    if value and isinstance(value[0], float | list):
         return [otherwise(value[0]), *value[1:]]
     return [*value, "S1"]
 
@@ -280,8 +281,11 @@ ATTITUDES = {"q_target_from_icrs_wxyz"}  # an empty one is Earth-pointing
 HALF_A_TURN = [0.0, 1.0, 0.0, 0.0]
 
 
+PLAIN = Scenario.model_validate({"name": "x", "tumble": TUMBLE})  # with every key there is
+
+
 def with_another(place: tuple[str, ...]) -> Scenario:
-    table = json.loads(Scenario(name="x").model_dump_json())
+    table = json.loads(PLAIN.model_dump_json())
     inner = table
     for key in place[:-1]:
         inner = inner[key]
@@ -289,7 +293,7 @@ def with_another(place: tuple[str, ...]) -> Scenario:
     return Scenario.model_validate(table)
 
 
-PLACES = list(leaves(json.loads(Scenario(name="x").model_dump_json())))
+PLACES = list(leaves(json.loads(PLAIN.model_dump_json())))
 
 
 def test_the_list_of_keys_is_whole() -> None:
@@ -300,7 +304,7 @@ def test_the_list_of_keys_is_whole() -> None:
 
 @pytest.mark.parametrize("place", PLACES, ids=".".join)
 def test_the_fingerprint_knows_every_key_but_the_prose(place: tuple[str, ...]) -> None:
-    plain, other = Scenario(name="x"), with_another(place)
+    plain, other = PLAIN, with_another(place)
     assert other != plain
     assert (other.fingerprint() == plain.fingerprint()) == (place == ("description",))
 
@@ -323,7 +327,7 @@ def test_cases_survive_being_resolved_and_read_again(case: str, tmp_path: Path) 
 
 
 def test_a_resolved_scenario_spells_out_every_default() -> None:
-    text = Scenario(name="x").to_toml()
+    text = PLAIN.to_toml()
     for place in PLACES:
         assert f"{place[-1]} = " in text
 

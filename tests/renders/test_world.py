@@ -79,7 +79,7 @@ def test_shared_suns_are_rendered_together_and_any_other_beside_them() -> None:
         assert world(sun=sun).sun.name == f"sun_{sun}"
     typed = world(sun="0,0,1")
     assert [group.name for group in typed.suns] == [*names, typed.sun.name]
-    groups = [group.name for group in typed.groups(850)]
+    groups = [group.name for group in typed.groups(typed.exposures[1])]
     assert groups[-1] == "lamps_850"
     assert len(groups) == len(set(groups)) == 9
 
@@ -94,17 +94,21 @@ def test_the_two_rings_interleave() -> None:
 
 def test_each_sun_has_its_own_earth_and_no_scenario_has_one_unasked() -> None:
     plain = world()
-    assert not any(group.name.startswith("earth") for group in plain.groups(850))
-    assert [group.name for group in plain.lit_by(800)] == ["sun_S2", "lamps_800"]
+    assert not any(group.name.startswith("earth") for group in plain.groups(plain.exposures[1]))
+    assert [group.name for group in plain.lit_by(plain.exposures[0])] == ["sun_S2", "lamps_800"]
     lit = world_with(earth={"shines": True, "direction": (0.0, 0.0, -2.0)})
     suns = {sun.name: sun for sun in lit.suns}
-    earths = [group for group in lit.groups(850) if isinstance(group, EarthGroup)]
+    earths = [group for group in lit.groups(lit.exposures[1]) if isinstance(group, EarthGroup)]
     assert [group.name for group in earths] == [name.replace("sun", "earth") for name in suns]
     for group in earths:
         sun = suns[group.name.replace("earth", "sun")]
         assert group.earth.sun_dir_in_target == sun.direction_in_target
         assert group.earth.direction_in_target == (0.0, 0.0, -1.0)
-    assert [group.name for group in lit.lit_by(850)] == ["sun_S2", "earth_S2", "lamps_850"]
+    assert [group.name for group in lit.lit_by(lit.exposures[1])] == [
+        "sun_S2",
+        "earth_S2",
+        "lamps_850",
+    ]
 
 
 def test_a_floodlight_shines_in_both_exposures_through_the_camera_s_filter() -> None:
@@ -112,9 +116,9 @@ def test_a_floodlight_shines_in_both_exposures_through_the_camera_s_filter() -> 
     (lamp,) = lit.floodlights
     assert lamp.channel == lit.sun.channel
     np.testing.assert_allclose(lamp.ring.points_in_cam.mean(axis=0), [0.4, 0.0, 0.1], atol=1e-12)
-    for band in (800, 850):
-        assert lamp in lit.lit_by(band)
-        assert lamp in lit.groups(band)
+    for exposure in lit.exposures[:2]:
+        assert lamp in lit.lit_by(exposure)
+        assert lamp in lit.groups(exposure)
 
 
 def test_an_earth_in_no_direction_is_refused() -> None:
