@@ -139,6 +139,17 @@ MATERIALS: dict[str, Material] = {
             "5271); solar absorptance 0.14 (Fortescue et al. 2011, Table 11.3)",
         ),
         _material(
+            "mli_black",
+            (0.045, 0.045, 0.045),
+            (0.030, 0.030, 0.030),
+            0.15,
+            "Carbon-filled black Kapton, film outward: solar absorptance 0.92 to 0.93 (Gilmore "
+            "2002, Spacecraft Thermal Control Handbook, chapter 5 and appendix A), grey into the "
+            "near infrared; the film's face reflects 0.04 to 0.06 less what its filler roughens. "
+            "Split and roughness are our estimate",
+            is_dielectric=True,
+        ),
+        _material(
             "bare_aluminium",
             (0.320, 0.322, 0.324),
             (0.470, 0.472, 0.474),

@@ -7,10 +7,17 @@ from functools import cache
 
 from models.errors import ScenarioError
 from models.spacecraft.chaser import chaser
+from models.spacecraft.hispasat import hispasat
 from models.spacecraft.maxar1300 import maxar1300
 from models.spacecraft.part import Spacecraft
+from models.spacecraft.xmm import xmm
 
-SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {"maxar1300": maxar1300, "chaser": chaser}
+SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {
+    "maxar1300": maxar1300,
+    "xmm": xmm,
+    "hispasat": hispasat,
+    "chaser": chaser,
+}
 
 
 def spacecraft_by_name(name: str) -> Spacecraft:

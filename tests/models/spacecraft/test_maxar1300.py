@@ -14,8 +14,8 @@ from models.spacecraft import (
     bus,
     launch_adaptor_ring,
     marker_support,
+    mirror_panel,
     offset_reflector,
-    radiator,
     solids,
 )
 from models.spacecraft.maxar1300 import maxar1300
@@ -234,7 +234,7 @@ def test_radiator_mirrors_face_outward(craft: Spacecraft) -> None:
             if part.name == name and part.material == "optical_solar_reflector":
                 lean = part.mesh.face_normals @ [0.0, sign, 0.0]
                 # Each of the two tilts is cut off at 2.5 standard deviations.
-                assert lean.min() > np.cos(np.deg2rad(2.5 * 1.42 * radiator.TILE_TILT_DEG))
+                assert lean.min() > np.cos(np.deg2rad(2.5 * 1.42 * mirror_panel.TILE_TILT_DEG))
                 assert lean.max() < 1.0
 
 

@@ -1,0 +1,37 @@
+"""The wireframes there are, by the name of their spacecraft."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from models.errors import ScenarioError
+from models.spacecraft.hispasat_wireframe import hispasat_wireframe
+from models.spacecraft.xmm_wireframe import xmm_wireframe
+from models.wireframe import Wireframe
+
+WIREFRAMES: dict[str, Callable[[], Wireframe]] = {
+    "xmm": xmm_wireframe,
+    "hispasat": hispasat_wireframe,
+}
+
+
+def wireframe_by_name(name: str) -> Wireframe:
+    """Return a wireframe by its spacecraft's name, built once a process.
+
+    Raises
+    ------
+    ScenarioError
+        If that spacecraft has none; the message lists those that have.
+    """
+    if name not in WIREFRAMES:
+        raise ScenarioError(
+            f"expected a spacecraft with a wireframe among {', '.join(sorted(WIREFRAMES))}, "
+            f"got {name!r}"
+        )
+    return _built(name)
+
+
+@cache
+def _built(name: str) -> Wireframe:
+    return WIREFRAMES[name]()
