@@ -88,6 +88,9 @@ class UncooperativeKnowledge:
         A coarse range, nearest and farthest, if the user gives one.
     detector : Detector, optional
         As calibrated; where frames are images.
+    inertia_kg_m2 : (3, 3) array, optional
+        Of the target about its centre of mass, target axes, as known before flight; any multiple
+        serves. Without it the filters take the rate as constant.
     """
 
     camera: Camera
@@ -98,6 +101,7 @@ class UncooperativeKnowledge:
     chaser_sigma_m_s: float = 0.0
     range_m: tuple[float, float] | None = None
     detector: Detector | None = None
+    inertia_kg_m2: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,7 +49,8 @@ class NavigationOptions:
         1 sigma of the angular acceleration of a target of unknown inertia, over the square of its
         rate: at most 1 for any body, 0 for a sphere.
     inertia_accuracy : float
-        1 sigma of the known inertia's ratios.
+        1 sigma of each entry of a known inertia, over the geometric mean of the two moments it
+        joins.
     forgetting_per_s : float, 1/s
         Minimum-energy filter alone: growth of its gain per second. Positive forgets; the
         ``-alpha K`` of the paper's Table 2 is a negative one, and makes the filter overconfident.

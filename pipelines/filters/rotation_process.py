@@ -63,9 +63,12 @@ class FreeBody:
     ----------
     inertia : (3, 3) array
         About the centre of mass, target axes, in any unit.
+    accuracy : float
+        1 sigma of each of its entries, over the geometric mean of the two moments it joins.
     """
 
     inertia: Floats
+    accuracy: float
 
     def rate(self, omega: Floats) -> Floats:
         """Return the (3,) angular acceleration, rad/s2."""
@@ -98,6 +101,24 @@ class FreeBody:
             omega = after
         return turn, omega
 
+    def rate_covariance(self, omega: Floats) -> Floats:
+        """Return the (3, 3) covariance of ``rate`` for an inertia no more accurate than it is.
+
+        ``d(omega') = -I^-1 (omega x dI omega + dI omega')``, entry by entry.
+        """
+        by_entry = self._errors @ omega @ skew(omega).T + self._errors @ self.rate(omega)
+        effects = by_entry @ self._inverse.T
+        return np.asarray(effects.T @ effects)
+
+    @cached_property
+    def _errors(self) -> Floats:
+        """The six (3, 3) 1-sigma changes of the inertia, one for each entry."""
+        sigma = self.accuracy * np.sqrt(np.diag(self.inertia))
+        changes = np.zeros((6, 3, 3))
+        for change, i, j in zip(changes, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2], strict=True):
+            change[i, j] = change[j, i] = sigma[i] * np.sqrt(self.inertia[j, j])
+        return changes
+
     @cached_property
     def _inverse(self) -> Floats:
         return np.asarray(np.linalg.inv(self.inertia), dtype=np.float64)
@@ -115,8 +136,9 @@ class RotationProcess:
 
     def __init__(self, options: NavigationOptions, inertia_kg_m2: Floats | None = None) -> None:
         self._options = options
-        known = inertia_kg_m2 is not None and options.rate_model == "inertial"
-        self._body = FreeBody(np.asarray(inertia_kg_m2)) if known else None
+        self._body = None
+        if inertia_kg_m2 is not None and options.rate_model == "inertial":
+            self._body = FreeBody(inertia_kg_m2, options.inertia_accuracy)
 
     def predict(
         self, state: RotationState, orbit: KeplerOrbit, from_s: float, to_s: float
@@ -155,20 +177,21 @@ class RotationProcess:
         change[3:, :3] = skew(spin)
         return RotationState(attitude, omega + spin, change @ covariance @ change.T)
 
-    def acceleration_sigma(self, omega: Floats, spin_of_lvlh: float) -> float:
-        """Return the 1 sigma of the angular acceleration that the model leaves out, rad/s2.
+    def acceleration_covariance(self, omega: Floats, spin_of_lvlh: float) -> Floats:
+        """Return the (3, 3) covariance of the acceleration that the model leaves out, rad2/s4.
 
-        A free body's is its rate squared times a ratio of differences of its moments of inertia,
-        which is below 1 for every body; in the turning frame ``omega x omega_lvlh`` comes to it.
+        A free body's acceleration is its rate squared times a ratio of differences of its moments
+        of inertia, which is below 1 for every body; in the turning frame ``omega x omega_lvlh``
+        comes to it.
         """
-        speed = float(np.linalg.norm(omega))
         if self._body is not None:
-            return self._options.inertia_accuracy * speed**2
+            return self._body.rate_covariance(omega)
+        speed = float(np.linalg.norm(omega))
         if self._options.rate_model == "inertial":
-            return self._options.asymmetry * speed**2
+            return (self._options.asymmetry * speed**2) ** 2 * np.eye(3)
         # The relative rate may be small while the target turns with the local frame.
-        inertial = speed + spin_of_lvlh
-        return float(np.hypot(self._options.asymmetry * inertial**2, speed * spin_of_lvlh))
+        own = self._options.asymmetry * (speed + spin_of_lvlh) ** 2
+        return (own**2 + (speed * spin_of_lvlh) ** 2) * np.eye(3)
 
     def _carry(self, omega: Floats, step_s: float) -> tuple[Floats, Floats]:
         """Return the turn over a step, and the rate after it."""
@@ -183,9 +206,8 @@ class RotationProcess:
         1978). The acceleration left out stays the same for about a radian: white noise of that
         correlation time has the spectral density of its square times twice the time.
         """
-        speed = float(np.linalg.norm(omega))
-        sigma = self.acceleration_sigma(omega, spin)
-        density = sigma**2 * 2.0 / max(speed, spin)
+        correlation_s = 1.0 / max(float(np.linalg.norm(omega)), spin)
+        density = 2.0 * correlation_s * self.acceleration_covariance(omega, spin)
         flow = np.zeros((6, 6))
         flow[:3, :3] = -skew(omega)
         flow[:3, 3:] = np.eye(3)
@@ -193,7 +215,7 @@ class RotationProcess:
             flow[3:, 3:] = self._body.jacobian(omega)
         both = np.zeros((12, 12))
         both[:6, :6] = flow
-        both[3:6, 9:] = density * np.eye(3)
+        both[3:6, 9:] = density
         both[6:, 6:] = -flow.T
         carried = expm(step_s * both)
         transition = carried[:6, :6]
