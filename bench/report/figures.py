@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -64,7 +65,7 @@ def pose_error_figure(score: Score) -> str:
         handles, labels = axes[0][0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
 
-    return _svg(draw, (11.0, 5.6))
+    return drawn_svg(draw, (11.0, 5.6))
 
 
 def centroid_figure(score: Score, published_std_px: Sequence[float] | None) -> str:
@@ -102,7 +103,7 @@ def centroid_figure(score: Score, published_std_px: Sequence[float] | None) -> s
             if isinstance(handle, Line2D):
                 handle.set_markersize(5.0)
 
-    return _svg(draw, (11.0, 2.6 * len(score["pipelines"]) + 0.5))
+    return drawn_svg(draw, (11.0, 2.6 * len(score["pipelines"]) + 0.5))
 
 
 def markers_figure(score: Score) -> str:
@@ -128,7 +129,7 @@ def markers_figure(score: Score) -> str:
         panel.set_ylabel("markers")
         figure.legend(loc="outside lower center", ncols=4)
 
-    return _svg(draw, (11.0, 2.6))
+    return drawn_svg(draw, (11.0, 2.6))
 
 
 def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: int) -> None:
@@ -212,7 +213,15 @@ def _ordered(score: Score) -> list[str]:
     return sorted(score["pipelines"], key=lambda variant: (variant == "best", variant))
 
 
-def _svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
+def drawn_svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
+    """Return as SVG text, the same for the same drawing, what ``draw`` puts on a figure.
+
+    Parameters
+    ----------
+    draw : callable
+    size : (float, float)
+        Width and height, inches.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05))
         draw(figure)
@@ -221,3 +230,8 @@ def _svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
             stream, format="svg", dpi=RASTER_DPI, metadata={"Date": None, "Creator": None}
         )
     return stream.getvalue()
+
+
+def svg_address(svg: str) -> str:
+    """Return an SVG as a ``data:`` address."""
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,9 +96,9 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
         "ranges": {variant: tables.range_table(score, variant) for variant in variants},
         "lost": tables.lost_table(score),
         "figures": {
-            "pose": _address(figures.pose_error_figure(score)),
-            "centroid": _address(figures.centroid_figure(score, std_px)),
-            "markers": _address(figures.markers_figure(score)),
+            "pose": figures.svg_address(figures.pose_error_figure(score)),
+            "centroid": figures.svg_address(figures.centroid_figure(score, std_px)),
+            "markers": figures.svg_address(figures.markers_figure(score)),
         },
         "scenario": scenario,
         "calibration": _calibration(scenario),
@@ -160,7 +159,3 @@ def _calibration(scenario: dict[str, dict[str, Any]]) -> str:
     if focal == 0.0 and centre == 0.0:
         return "ours are calibrated exactly"
     return f"ours carry {focal:g} px in focal length and {centre:g} px in principal point"
-
-
-def _address(svg: str) -> str:
-    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()

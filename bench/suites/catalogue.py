@@ -1,0 +1,36 @@
+"""The suites there are: the papers whose tables the bench repeats."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from importlib import import_module
+
+from rich.console import Console
+
+from bench.suites.request import SuiteFiles, SuiteRequest
+from models.errors import ScenarioError
+
+RunSuite = Callable[[SuiteRequest, Console], SuiteFiles]
+
+# A suite is a module's ``run_suite``, loaded when it is asked for.
+SUITES = {"pesce2019": "bench.uncooperative.suite"}
+TITLES = {
+    "pesce2019": "an uncooperative, known target from corners: Pesce et al. 2019, Tables 5 to 8",
+}
+
+
+def suite_by_name(name: str) -> RunSuite:
+    """Return what runs a suite.
+
+    Raises
+    ------
+    ScenarioError
+        If there is none of that name; the message lists those there are.
+    """
+    if name not in SUITES:
+        near = difflib.get_close_matches(name, SUITES, n=1)
+        hint = f"; perhaps you meant {near[0]}" if near else ""
+        raise ScenarioError(f"expected a suite among {', '.join(SUITES)}, got {name!r}{hint}")
+    found: RunSuite = import_module(SUITES[name]).run_suite
+    return found

@@ -1,0 +1,53 @@
+"""What can be asked of a suite, and what it hands back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class SuiteRequest:
+    """A suite, where it goes, and how much of it.
+
+    Attributes
+    ----------
+    name : str
+    out : Path
+    workers : int
+    parts : tuple of str
+        Empty for all.
+    quick : bool
+        A small version of everything, to see it work.
+    runs, acquisitions, seeds : int, optional
+        Instead of the suite's own sizes.
+    duration_s : float, optional, s
+    seed : int
+    """
+
+    name: str
+    out: Path
+    workers: int
+    parts: tuple[str, ...] = ()
+    quick: bool = False
+    runs: int | None = None
+    acquisitions: int | None = None
+    seeds: int | None = None
+    duration_s: float | None = None
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class SuiteFiles:
+    """What a suite wrote.
+
+    Attributes
+    ----------
+    score, page : Path
+    summary : list of list of str
+        Rows for a terminal; the first is the head.
+    """
+
+    score: Path
+    page: Path
+    summary: list[list[str]]

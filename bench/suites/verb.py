@@ -1,0 +1,90 @@
+"""``rvbench suite``: the verb with its options."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from tyro.conf import Positional, arg
+
+from bench.verbs import DONE, OptionalCount, OptionalFolder, OptionalNumber
+from models.errors import ScenarioError
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Repeat a paper's tables: every run of every case, ours beside the paper's figures.
+
+        rvbench suite pesce2019 --quick --out out/try
+        rvbench suite pesce2019 --out out/pesce --workers 8
+        rvbench suite pesce2019 --parts table6 vinag --runs 10 --out out/some
+
+    Runs are spread over the cores and kept one by one: stop it anywhere, and the same command goes
+    on from there. Neither the number of workers nor a stop in between changes a bit of
+    DIR/suite.json but the times in it. DIR/suite.html shows tables and figures, and what each
+    number means.
+
+    pesce2019 (parts table5, table6, table7, table8, vinag) takes about three hours of one core at
+    the paper's sizes; what is left is told as it runs.
+    """
+
+    name: Positional[Annotated[str, arg(metavar="NAME")]]
+    """name of a suite (see `rvbench list`)"""
+    out: OptionalFolder = None
+    """folder of the results; out/suite-NAME unless given"""
+    workers: OptionalCount = None
+    """processes; as many as cores unless given"""
+    parts: Annotated[tuple[str, ...], arg(metavar="PART ...", help_behavior_hint="")] = ()
+    """parts of the suite, all unless given"""
+    quick: bool = False
+    """a small version of everything, in minutes, to see it work"""
+    runs: OptionalCount = None
+    """runs of each case that the paper repeats (50)"""
+    acquisitions: OptionalCount = None
+    """acquisitions of each case (1000, of which the paper's table takes the first 100)"""
+    seeds: OptionalCount = None
+    """runs of each cell where the paper has a single one (10)"""
+    duration_s: OptionalNumber = None
+    """length of a run, in s (1800)"""
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """seed of all draws"""
+
+    def run(self) -> int:
+        """Run what is missing, and say what came of it."""
+        from bench.suites.catalogue import suite_by_name
+        from bench.suites.request import SuiteRequest
+
+        workers = len(os.sched_getaffinity(0)) if self.workers is None else self.workers
+        if workers < 1:
+            raise ScenarioError(f"expected --workers of at least 1, got {workers}")
+        request = SuiteRequest(
+            name=self.name,
+            out=self.out or Path("out") / f"suite-{self.name}",
+            workers=workers,
+            parts=self.parts,
+            quick=self.quick,
+            runs=self.runs,
+            acquisitions=self.acquisitions,
+            seeds=self.seeds,
+            duration_s=self.duration_s,
+            seed=self.seed,
+        )
+        files = suite_by_name(self.name)(request, Console(stderr=True))
+        _print_summary(files.summary)
+        print(f"score: {files.score}")
+        print(f"page:  {files.page.resolve()}")
+        return DONE
+
+
+def _print_summary(rows: list[list[str]]) -> None:
+    table = Table(box=box.SIMPLE)
+    for place, title in enumerate(rows[0]):
+        table.add_column(title, justify="left" if place == 0 else "right")
+    for row in rows[1:]:
+        table.add_row(*row)
+    Console().print(table)
