@@ -105,7 +105,7 @@ def gauss_newton_step(
     gradient = weighted @ residuals
     scale = np.einsum("bii->bi", hessian)
     hessian[:, range(6), range(6)] += 1e-12 * scale + 1e-15
-    step = np.linalg.solve(hessian, gradient)[:, :, 0]
+    step: Floats = np.asarray(np.linalg.solve(hessian, gradient)[:, :, 0], dtype=np.float64)
     moved = np.isfinite(step).all(axis=1) & (np.abs(step[:, :3]).max(axis=1) < LARGEST_TURN)
     step[~moved] = 0.0
     return turned_by(rotations, step[:, :3]), translations + step[:, 3:], moved

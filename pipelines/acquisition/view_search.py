@@ -1,0 +1,151 @@
+"""Which views of a target an image may show: every view, roll, size and shift, compared at once.
+
+The lit part of a target is not its silhouette: what neither Sun nor Earth lights is missing, so
+that centroid and size mislead. They are therefore varied, and what is compared is both the
+silhouette and the edges. The best are brought closer on the distance transform of the image's
+edges, all together (Liu et al. 2010, CVPR, "Fast directional chamfer matching", in kind).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from models.arrays import Floats, Indices
+from models.camera import Camera
+from models.pose import RigidTransform
+from pipelines.acquisition.view_sphere import (
+    CELLS,
+    EDGE_DIRECTIONS,
+    REACH,
+    ViewSphere,
+    centred,
+    cell_of,
+    edge_picture,
+    pose_from_view,
+    shape_of,
+)
+from pipelines.tracking.edge_fit import EdgeImage
+
+ROLLS = 48
+SCALES = (0.8, 0.92, 1.06, 1.22)  # of the lit part's size,
+SHIFTS = (-0.25, 0.0, 0.25)  # and of its centroid, in radii of gyration
+EDGE_SHARE = 1.0  # what likeness of edges counts against that of silhouettes
+TURN_APART_DEG = 6.0  # two of the best nearer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A pose to be tried.
+
+    Attributes
+    ----------
+    view : int
+        Index into ``ViewSphere.views``.
+    cam_from_target : RigidTransform
+    likeness : float
+    """
+
+    view: int
+    cam_from_target: RigidTransform
+    likeness: float
+
+
+def search_views(image: EdgeImage, sphere: ViewSphere, count: int) -> list[Hypothesis]:
+    """Return the ``count`` likeliest views of an image, the likeliest first.
+
+    Parameters
+    ----------
+    image : EdgeImage
+        With something lit on it.
+    sphere : ViewSphere
+    count : int
+    """
+    centroid, gyration = shape_of(image.target.lit)
+    row, column = np.nonzero(image.edge_map.edges)
+    points = np.stack([column, row], axis=1).astype(np.float64)
+    angle = image.edge_map.angle_rad[row, column].astype(np.float64)
+    lit = image.target.lit.astype(np.float32)
+    rolls = 2.0 * np.pi * np.arange(ROLLS) / ROLLS
+    scores: list[Floats] = []
+    settings: list[tuple[float, Floats]] = []
+    for scale in SCALES:
+        size = scale * gyration
+        soft = cv2.GaussianBlur(lit, (0, 0), max(0.5 * size * REACH / (0.5 * CELLS), 0.3))
+        for dx in SHIFTS:
+            for dy in SHIFTS:
+                centre = centroid + gyration * np.array([dx, dy])
+                scores.append(_likeness(soft, points, angle, centre, size, rolls, sphere))
+                settings.append((size, centre))
+    return _best(np.array(scores), settings, rolls, sphere, image.camera, count)
+
+
+def _likeness(
+    soft: Floats,
+    points: Floats,
+    angle: Floats,
+    centre: Floats,
+    size: float,
+    rolls: Floats,
+    sphere: ViewSphere,
+) -> Floats:
+    """Return how like each view, at each roll, an image reduced about a centre is, (rolls, v)."""
+    side = (np.arange(CELLS) - 0.5 * (CELLS - 1)) * size * REACH / (0.5 * CELLS)
+    x, y = np.meshgrid(side, side)
+    covered, edges = [], []
+    away = points - centre
+    for roll in rolls:
+        cosine, sine = np.cos(roll), np.sin(roll)
+        # The view's x axis lies along (cosine, sine) in the image.
+        u = (centre[0] + cosine * x - sine * y).astype(np.float32)
+        v = (centre[1] + sine * x + cosine * y).astype(np.float32)
+        covered.append(cv2.remap(soft, u, v, cv2.INTER_LINEAR).ravel())
+        back = np.stack(
+            [cosine * away[:, 0] + sine * away[:, 1], -sine * away[:, 0] + cosine * away[:, 1]],
+            axis=1,
+        )
+        turned = angle - roll
+        normals = np.stack([np.cos(turned), np.sin(turned)], axis=1)
+        edges.append(edge_picture(cell_of(back, np.zeros(2), size), normals).ravel())
+    by_shape = centred(np.array(covered)) @ sphere.covered.T
+    by_edges = np.array(edges, dtype=np.float32) @ sphere.edges.T
+    return np.asarray(by_shape + EDGE_SHARE * by_edges, dtype=np.float64)
+
+
+def _best(
+    scores: Floats,
+    settings: list[tuple[float, Floats]],
+    rolls: Floats,
+    sphere: ViewSphere,
+    camera: Camera,
+    count: int,
+) -> list[Hypothesis]:
+    """Pick the best settings of each view and roll, then views apart from each other."""
+    best_setting = scores.argmax(axis=0)
+    best = scores.max(axis=0)
+    order = np.argsort(best.ravel())[::-1][: 40 * count]
+    chosen: list[Hypothesis] = []
+    rotations: list[Floats] = []
+    for flat in order.tolist():
+        roll, view = divmod(flat, best.shape[1])
+        size, centre = settings[int(best_setting[roll, view])]
+        pose = pose_from_view(
+            sphere.views[view],
+            float(rolls[roll]),
+            camera.normalise(centre[None])[0],
+            size / (0.5 * (camera.fx + camera.fy)),
+        )
+        if rotations:
+            traces = np.einsum("nij,ij->n", np.array(rotations), pose.rotation)
+            if traces.max() > 1.0 + 2.0 * np.cos(np.deg2rad(TURN_APART_DEG)):
+                continue
+        chosen.append(Hypothesis(view, pose, float(best[roll, view])))
+        rotations.append(np.array(pose.rotation))
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+__all__ = ["EDGE_DIRECTIONS", "Hypothesis", "Indices", "search_views"]

@@ -1,0 +1,196 @@
+"""A target seen from all around, once, before the first image: a library of its silhouettes.
+
+Each view is reduced to two small pictures about the silhouette's centroid, scaled by its radius of
+gyration: what is covered, and where edges of each direction are. The same reduction of an image,
+turned by every roll, can then be compared with all views by two matrix products.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from models.arrays import Floats, Mask, Radiance
+from models.camera import Camera
+from models.pose import RigidTransform
+from models.wireframe import Wireframe
+from pipelines.tracking.model_edges import EdgeSamples, ModelEdges
+
+VIEWS = 800  # about 8 deg apart
+CELLS = 36  # of a side of the small pictures,
+REACH = 2.6  # which end this many radii of gyration from the centroid
+EDGE_DIRECTIONS = 4
+VIEW_PX = 128
+MODEL_SAMPLES = 400
+SAMPLES = 90  # kept of a view's edges
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The target from one side.
+
+    Attributes
+    ----------
+    cam_from_target : RigidTransform
+        With the target's origin on the boresight.
+    centroid : (2,) array
+        Of the silhouette, normalised image coordinates.
+    gyration : float
+        Its radius of gyration, likewise.
+    samples : EdgeSamples
+        What is seen of the edges.
+    """
+
+    cam_from_target: RigidTransform
+    centroid: Floats
+    gyration: float
+    samples: EdgeSamples
+
+
+@dataclass(frozen=True, eq=False)
+class ViewSphere:
+    """All views from one range.
+
+    Attributes
+    ----------
+    range_m : float, m
+    views : tuple of View
+    covered : (v, cells * cells) float32 array
+        Small silhouettes, each of mean 0 and length 1.
+    edges : (v, directions * cells * cells) float32 array
+        Small pictures of edges, each of length 1.
+    """
+
+    range_m: float
+    views: tuple[View, ...]
+    covered: Radiance
+    edges: Radiance
+
+
+def directions_all_around(count: int) -> Floats:
+    """Return unit vectors spread evenly over a sphere, (count, 3), by Fibonacci's spiral."""
+    k = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * k / count
+    angle = np.pi * (1.0 + np.sqrt(5.0)) * k
+    radius = np.sqrt(1.0 - z**2)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+
+
+def look_from(direction: Floats, range_m: float) -> RigidTransform:
+    """Return ``cam_from_target`` of a camera that stands out along ``direction``, looking back."""
+    forward = -direction
+    helper = np.eye(3)[int(np.argmin(np.abs(forward)))]
+    right = np.cross(helper, forward)
+    right /= np.linalg.norm(right)
+    rotation = np.stack([right, np.cross(forward, right), forward])
+    return RigidTransform(rotation, np.array([0.0, 0.0, range_m]))
+
+
+def shape_of(mask: Mask) -> tuple[Floats, float]:
+    """Return the centroid (x, y) of a mask and its radius of gyration, px."""
+    row, column = np.nonzero(mask)
+    centroid = np.array([column.mean(), row.mean()])
+    return centroid, float(np.sqrt(column.var() + row.var()))
+
+
+def cell_of(points: Floats, centroid: Floats, gyration: float) -> Floats:
+    """Return where points (n, 2) fall in a small picture, in cells."""
+    return (points - centroid) / gyration * (0.5 * CELLS / REACH) + 0.5 * (CELLS - 1)
+
+
+def edge_picture(cells: Floats, normals: Floats) -> Radiance:
+    """Draw edge points (n, 2), in cells, by direction: (directions, cells, cells), length 1."""
+    import cv2
+
+    angle = np.arctan2(normals[:, 1], normals[:, 0]) % np.pi
+    step = np.pi / EDGE_DIRECTIONS
+    picture = np.zeros((EDGE_DIRECTIONS, CELLS, CELLS), dtype=np.float32)
+    column, row = np.rint(cells).astype(int).T
+    inside = (column >= 0) & (column < CELLS) & (row >= 0) & (row < CELLS)
+    for k in range(EDGE_DIRECTIONS):
+        away = np.abs((angle - k * step + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
+        share = np.maximum(1.0 - away / step, 0.0)
+        np.add.at(picture[k], (row[inside], column[inside]), share[inside])
+        picture[k] = cv2.GaussianBlur(np.sqrt(picture[k]), (0, 0), 0.8)
+    return picture / max(float(np.linalg.norm(picture)), 1e-9)
+
+
+def centred(picture: Radiance) -> Radiance:
+    """Return pictures (n, pixels) with mean 0 and length 1."""
+    flat = picture - picture.mean(axis=1, keepdims=True)
+    return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-9))
+
+
+@lru_cache(maxsize=8)
+def view_sphere(wireframe: Wireframe, range_m: float) -> ViewSphere:
+    """Look at a target from all around; kept in memory.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+    range_m : float, m
+        How far off; it matters for the perspective alone.
+    """
+    import cv2
+
+    edges = ModelEdges(wireframe, MODEL_SAMPLES)
+    half = 1.02 * wireframe.radius_m / np.sqrt(range_m**2 - wireframe.radius_m**2)
+    focal = 0.5 * VIEW_PX / half
+    camera = Camera(VIEW_PX, VIEW_PX, focal, focal, 0.5 * (VIEW_PX - 1), 0.5 * (VIEW_PX - 1))
+    centre = np.array([camera.cx, camera.cy])
+    views, covered, drawn = [], [], []
+    side = np.arange(CELLS) - 0.5 * (CELLS - 1)
+    for direction in directions_all_around(VIEWS):
+        pose = look_from(direction, range_m)
+        mask = edges.silhouette(camera, pose)
+        centroid, gyration = shape_of(mask)
+        samples = edges.shown(camera, pose)
+        cells = cell_of(samples.points_px, centroid, gyration)
+        drawn.append(edge_picture(cells, samples.normals_px).ravel())
+        step = gyration * REACH / (0.5 * CELLS)
+        x, y = np.meshgrid(centroid[0] + step * side, centroid[1] + step * side)
+        soft = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 0.5 * step)
+        covered.append(
+            cv2.remap(soft, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR).ravel()
+        )
+        kept = np.unique(np.linspace(0, len(samples) - 1, SAMPLES).astype(int))
+        views.append(
+            View(pose, (centroid - centre) / focal, gyration / focal, samples.subset(kept))
+        )
+    return ViewSphere(
+        range_m, tuple(views), centred(np.array(covered)), np.array(drawn, dtype=np.float32)
+    )
+
+
+def pose_from_view(
+    view: View,
+    roll_rad: float,
+    centroid: Floats,
+    gyration: float,
+) -> RigidTransform:
+    """Return the pose at which a view, rolled, has a given centroid and size in the image.
+
+    Parameters
+    ----------
+    view : View
+    roll_rad : float, rad
+        Turn of the view about the boresight: x towards y.
+    centroid : (2,) array
+        In normalised image coordinates.
+    gyration : float
+        Radius of gyration, likewise.
+    """
+    roll = Rotation.from_rotvec([0.0, 0.0, roll_rad]).as_matrix()
+    scale = gyration / view.gyration
+    origin = centroid - scale * (roll[:2, :2] @ view.centroid)
+    ray = np.array([origin[0], origin[1], 1.0])
+    ray /= np.linalg.norm(ray)
+    aside = np.cross([0.0, 0.0, 1.0], ray)
+    sine = float(np.linalg.norm(aside))
+    turn = np.zeros(3) if sine < 1e-12 else aside / sine * np.arcsin(min(sine, 1.0))
+    towards = Rotation.from_rotvec(turn).as_matrix()
+    range_m = view.cam_from_target.translation[2] / scale
+    return RigidTransform(towards @ roll @ view.cam_from_target.rotation, range_m * ray)
