@@ -15,6 +15,7 @@ import tyro
 
 from bench import verbs
 from bench.store_verb import Store
+from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
 from models.errors import RvbenchError
 
@@ -24,6 +25,7 @@ VERBS: dict[str, type[Any]] = {
     "run": verbs.Run,
     "render": verbs.Render,
     "sweep": Sweep,
+    "suite": Suite,
     "estimate": verbs.Estimate,
     "score": verbs.Score,
     "report": verbs.Report,

@@ -7,6 +7,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from bench.suites.catalogue import TITLES
 from models.camera import CAMERAS, Camera
 from models.lights.sun import SUN_CASES_DEG, direction_from_azimuth
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
@@ -14,12 +15,13 @@ from renders.scenario import case_names, case_path, read_scenario
 
 
 def print_listing(console: Console) -> None:
-    """Print the four lists as tables."""
+    """Print the lists as tables."""
     for title, rows in (
         ("cases", cases()),
         ("cameras", cameras()),
         ("targets", targets()),
         ("Suns", suns()),
+        ("suites", suites()),
     ):
         table = Table(title=title, box=box.SIMPLE, show_header=False, title_justify="left")
         table.add_column(style="bold", no_wrap=True)
@@ -69,3 +71,8 @@ def _camera_line(camera: Camera) -> str:
         f"{camera.width} x {camera.height} px, field of view {fov_deg:.0f} deg, "
         f"focal length {camera.fx:.2f} px"
     )
+
+
+def suites() -> list[tuple[str, str]]:
+    """Return the suites and what they repeat."""
+    return list(TITLES.items())
