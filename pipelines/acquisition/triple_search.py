@@ -220,17 +220,17 @@ class TripleSearch:
         points = self._target.points_in_target
         start = RigidTransform(candidate.rotation, candidate.translation)
         gate_px = self._options.gate_sigmas * self._sigma_px
-        named: Indices | None = None
-        if self._visible is not None:
-            shown = np.flatnonzero(self._visible(start))
-            fit = fit_points(
-                points_px, points[shown], self._camera, start, self._sigma_px, gate_px, gate_px
-            )
-            if isinstance(fit, str):
-                return fit
-            start, named = fit.pose, np.where(fit.matched >= 0, shown[fit.matched], -1)
-            return PointFit(start, fit.covariance, named, fit.residual_rms_px, fit.rested)
-        return fit_points(points_px, points, self._camera, start, self._sigma_px, gate_px, gate_px)
+        shown = None if self._visible is None else np.flatnonzero(self._visible(start))
+        return fit_points(
+            points_px,
+            points,
+            self._camera,
+            start,
+            self._sigma_px,
+            gate_px,
+            gate_px,
+            shown=shown,
+        )
 
     def _same(self, pose: RigidTransform, other: _Candidate) -> bool:
         """Tell whether two poses move no landmark apart, but for a symmetry."""

@@ -61,6 +61,7 @@ def fit_points(
     first_gate_px: float,
     gate_px: float,
     named: Indices | None = None,
+    shown: Indices | None = None,
 ) -> PointFit | str:
     """Solve for the pose near a rough one.
 
@@ -68,7 +69,7 @@ def fit_points(
     ----------
     points_px : (n, 2) array, px
     points_in_target : (m, 3) array, m
-        Landmarks that may show.
+        All landmarks.
     camera : Camera
     start : RigidTransform
         Rough ``cam_from_target``.
@@ -80,6 +81,8 @@ def fit_points(
         Within which the solved pose finds them.
     named : (n,) int array, optional
         Matches to begin with, in place of the rough pose's own: a landmark each, or -1.
+    shown : (k,) int array, optional
+        Landmarks that may be matched; without it, all.
 
     Returns
     -------
@@ -96,7 +99,7 @@ def fit_points(
     for turn in range(MOST_ROUNDS):
         predicted, _ = linearised(rotation, translation, points_in_target)
         if turn or matched is None:
-            matched = _matches(predicted[0].T, normalised, widths[min(turn, 1)])
+            matched = _matches(predicted[0].T, normalised, widths[min(turn, 1)], shown)
         if np.count_nonzero(matched >= 0) < LEAST_MATCHES:
             return f"{np.count_nonzero(matched >= 0)} of {len(points_px)} points match a landmark"
         moved = _step(rotation, translation, points_in_target, normalised, matched)
@@ -120,14 +123,17 @@ def fit_points(
     )
 
 
-def _matches(predicted: Floats, normalised: Floats, gate: float) -> Indices:
-    """Match one to one, at least total squared distance; the crowded ones alone cost time."""
-    gaps = normalised[:, None, :] - predicted
+def _matches(predicted: Floats, normalised: Floats, gate: float, shown: Indices | None) -> Indices:
+    """Match one to one, at least total squared distance; only where crowded does it cost time."""
+    expected = predicted if shown is None else predicted[shown]
+    gaps = normalised[:, None, :] - expected
     squared = np.einsum("nmi,nmi->nm", gaps, gaps)
     near = squared < gate * gate
     if (near.sum(axis=0) <= 1).all() and (near.sum(axis=1) <= 1).all():
-        return np.where(near.any(axis=1), near.argmax(axis=1), -1)
-    return one_to_one(squared / gate**2, near)
+        matched = np.where(near.any(axis=1), near.argmax(axis=1), -1)
+    else:
+        matched = one_to_one(squared / gate**2, near)
+    return matched if shown is None else np.where(matched >= 0, shown[matched], -1)
 
 
 def _step(
@@ -159,18 +165,37 @@ def _finished(
 ) -> PointFit | str:
     taken = matched >= 0
     predicted, jacobian = linearised(rotation, translation, points_in_target[matched[taken]])
-    flat = jacobian[0].reshape(6, -1) * (focal_px / sigma_px)
-    scale = np.sqrt(np.einsum("ij,ij->i", flat, flat))
-    balanced = flat / scale[:, None]
+    covariance = _bound(jacobian[0].reshape(6, -1) * (focal_px / sigma_px))
+    if covariance is None:
+        return "the matched points do not determine a pose"
+    left_px = focal_px * (normalised[taken] - predicted[0].T)
+    pose = RigidTransform(_orthonormal(rotation[0]), translation[0])
+    return PointFit(pose, covariance, matched, float(np.sqrt(np.mean(left_px**2))), rested)
+
+
+def covariance_of(
+    pose: RigidTransform, points_in_target: Floats, focal_px: float, sigma_px: float
+) -> Floats | None:
+    """Return the Cramer-Rao bound of a pose seen by points (n, 3), or None where there is none.
+
+    (6, 6), rad and m, rotation first, as in ``RigidTransform.perturbed``.
+    """
+    _, jacobian = linearised(pose.rotation[None], pose.translation[None], points_in_target)
+    return _bound(jacobian[0].reshape(6, -1) * (focal_px / sigma_px))
+
+
+def _bound(whitened: Floats) -> Floats | None:
+    """Invert the information of a whitened Jacobian, (6, 2n)."""
+    scale = np.sqrt(np.einsum("ij,ij->i", whitened, whitened))
+    if not (np.isfinite(scale).all() and scale.min() > 0.0):
+        return None
+    balanced = whitened / scale[:, None]
     information = balanced @ balanced.T
     eigenvalues = np.linalg.eigvalsh(information)
     if not eigenvalues[0] > SINGULAR * eigenvalues[-1]:
-        return "the matched points do not determine a pose"
+        return None
     covariance = np.linalg.inv(information) / (scale[:, None] * scale)
-    left_px = focal_px * (normalised[taken] - predicted[0].T)
-    pose = RigidTransform(_orthonormal(rotation[0]), translation[0])
-    rms_px = float(np.sqrt(np.mean(left_px**2)))
-    return PointFit(pose, 0.5 * (covariance + covariance.T), matched, rms_px, rested)
+    return np.asarray(0.5 * (covariance + covariance.T), dtype=np.float64)
 
 
 def _orthonormal(rotation: Floats) -> Floats:
