@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
+from models.arrays import Floats
 from models.camera import Camera
 from models.dataset import (
     FILTERED,
@@ -50,6 +51,7 @@ KNOWLEDGE_KEYS = {
     "chaser_sigma_m",
     "chaser_sigma_m_s",
 }
+OPTIONAL_KEYS = {"range_m", "inertia_kg_m2"}
 
 
 def read_image_info(folder: Path) -> DatasetInfo:
@@ -68,6 +70,8 @@ def knowledge_to_toml(knowledge: UncooperativeKnowledge) -> str:
     }
     if knowledge.range_m is not None:
         table["range_m"] = list(knowledge.range_m)
+    if knowledge.inertia_kg_m2 is not None:
+        table["inertia_kg_m2"] = knowledge.inertia_kg_m2.tolist()
     return tomli_w.dumps(table)
 
 
@@ -81,10 +85,11 @@ def read_uncooperative_knowledge(folder: Path) -> UncooperativeKnowledge:
     """
     path = folder / "knowledge.toml"
     table = read_toml(path)
-    unknown, missing = set(table) - KNOWLEDGE_KEYS - {"range_m"}, KNOWLEDGE_KEYS - set(table)
+    unknown, missing = set(table) - KNOWLEDGE_KEYS - OPTIONAL_KEYS, KNOWLEDGE_KEYS - set(table)
     if unknown or missing:
         raise DatasetError(
-            f"{path}: expected the keys {', '.join(sorted(KNOWLEDGE_KEYS))} and perhaps range_m; "
+            f"{path}: expected the keys {', '.join(sorted(KNOWLEDGE_KEYS))} and perhaps "
+            f"{', '.join(sorted(OPTIONAL_KEYS))}; "
             f"unknown: {', '.join(sorted(unknown)) or 'none'}; "
             f"missing: {', '.join(sorted(missing)) or 'none'}"
         )
@@ -96,14 +101,14 @@ def read_uncooperative_knowledge(folder: Path) -> UncooperativeKnowledge:
         sigmas = {
             key: float(table[key]) for key in ("sigma_px", "chaser_sigma_m", "chaser_sigma_m_s")
         }
-        range_m = _range_m(table.get("range_m"))
+        range_m, inertia = _range_m(table.get("range_m")), _inertia(table.get("inertia_kg_m2"))
         if not all(0.0 <= sigma < np.inf for sigma in sigmas.values()) or not sigmas["sigma_px"]:
             raise ValueError(f"sigmas {sigmas}")
     except (ValueError, TypeError) as error:
         raise DatasetError(
             f"{path}: expected a mount that is a rotation and a translation, sigma_px above zero, "
-            "the chaser's sigmas from zero up, and range_m, if given, as nearest and farthest; "
-            f"got: {cause(error)}"
+            "the chaser's sigmas from zero up, and, if given, range_m as nearest and farthest and "
+            f"inertia_kg_m2 as three rows; got: {cause(error)}"
         ) from error
     return UncooperativeKnowledge(
         camera=Camera.from_toml(folder / "camera.toml"),
@@ -111,6 +116,7 @@ def read_uncooperative_knowledge(folder: Path) -> UncooperativeKnowledge:
         cam_from_lvlh=cam_from_lvlh,
         range_m=range_m,
         detector=read_detector(folder / "detector.toml"),
+        inertia_kg_m2=inertia,
         **sigmas,
     )
 
@@ -121,6 +127,15 @@ def _range_m(typed: object) -> tuple[float, float] | None:
     if not isinstance(typed, list) or len(typed) != 2 or not 0.0 < typed[0] <= typed[1] < np.inf:
         raise ValueError(f"range_m {typed}")
     return float(typed[0]), float(typed[1])
+
+
+def _inertia(typed: object) -> Floats | None:
+    if typed is None:
+        return None
+    inertia = np.array(typed, dtype=np.float64)
+    if inertia.shape != (3, 3) or not np.isfinite(inertia).all():
+        raise ValueError(f"inertia_kg_m2 {typed}")
+    return inertia
 
 
 def navigation_to_csv(chaser: Iterable[tuple[int, ChaserState]]) -> str:

@@ -157,6 +157,7 @@ class Studio:
                 max_depth=render.max_depth,
                 seed=self.world.render_seed(exposure.frame),
             ),
+            self.world.in_view(exposure),
         )
 
     def sealed(
@@ -206,7 +207,13 @@ class Studio:
         from renders.labels import pixel_truth
 
         self.build(cam_from_target)
-        return pixel_truth(self.scene, self.geometry, self.world.camera, cam_from_target)
+        return pixel_truth(
+            self.scene,
+            self.geometry,
+            self.world.camera,
+            cam_from_target,
+            self.world.silhouette(cam_from_target),
+        )
 
 
 def provenance(world: World, variant: str) -> dict[str, str]:

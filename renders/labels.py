@@ -20,6 +20,7 @@ from models.lights.led_beam import LedRing
 from models.pose import RigidTransform
 from renders.camera_plugin import sensor_dict
 from renders.scene import SceneGeometry
+from renders.windows import window_around
 
 DISC_POINTS = 127  # spread over a marker's face; one of them is under 1 % of it
 CLEARANCE_M = 1e-3  # rays start this far above the face
@@ -45,13 +46,22 @@ class PixelTruth:
 
 
 def pixel_truth(
-    scene: Any, geometry: SceneGeometry, camera: Camera, cam_from_target: RigidTransform
+    scene: Any,
+    geometry: SceneGeometry,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    in_view: Mask | None = None,
 ) -> PixelTruth:
-    """Trace one ray through the centre of each pixel."""
+    """Trace one ray through the centre of each pixel, or of each that can show anything."""
+    left, top, width, height = window_around(in_view, camera)
     film = {
         "type": "hdrfilm",
         "width": camera.width,
         "height": camera.height,
+        "crop_offset_x": left,
+        "crop_offset_y": top,
+        "crop_width": width,
+        "crop_height": height,
         "rfilter": {"type": "box"},
         "pixel_format": "luminance",
         "component_format": "float32",
@@ -68,10 +78,12 @@ def pixel_truth(
     boresight = cam_from_target.rotation[2].astype(np.float32)
     along = position @ boresight + np.float32(cam_from_target.translation[2])
     depth = np.where(labels > 0, along, 0.0)
+    normals = np.where(labels[..., None] > 0, normal, 0.0).astype(np.float32)
+    beside = ((top, camera.height - top - height), (left, camera.width - left - width))
     return PixelTruth(
-        labels=labels,
-        depth_m=depth.astype(np.float32),
-        normals_in_target=np.where(labels[..., None] > 0, normal, 0.0).astype(np.float32),
+        labels=np.pad(labels, beside),
+        depth_m=np.pad(depth.astype(np.float32), beside),
+        normals_in_target=np.pad(normals, (*beside, (0, 0))),
     )
 
 

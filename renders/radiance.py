@@ -16,7 +16,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from models.arrays import AnyArray, Radiance
+from models.arrays import AnyArray, Mask, Radiance
 from models.camera import Camera
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
@@ -25,7 +25,7 @@ from renders.group_integrator import trace_groups
 from renders.light_groups import LampGroup, LightGroup
 from renders.marker_lobes import add_lobes
 from renders.scene import SceneGeometry
-from renders.windows import Window
+from renders.windows import Window, window_around
 
 TILE_PX = 4
 WINDOW_MARGIN_PX = 3.0  # beyond the disc: the point-spread function at five sigma
@@ -124,6 +124,7 @@ def render_radiance(
     groups: Sequence[LightGroup],
     markers: MarkerPattern | None,
     sampling: Sampling,
+    in_view: Mask | None = None,
 ) -> dict[str, Radiance]:
     """Render all groups of one exposure.
 
@@ -138,6 +139,8 @@ def render_radiance(
     markers : MarkerPattern or None
         Where to spend ``marker_samples``.
     sampling : Sampling
+    in_view : (height, width) array of bool, optional
+        Pixels that can show anything; the others are dark. See ``renders.silhouette``.
 
     Returns
     -------
@@ -145,12 +148,14 @@ def render_radiance(
     """
     windows = marker_windows(markers, camera, cam_from_target) if markers is not None else []
     if not dr.is_jit_v(mi.Float):
-        return _one_by_one(geometry, camera, cam_from_target, groups, windows, sampling)
+        return _one_by_one(geometry, camera, cam_from_target, groups, windows, sampling, in_view)
     tiled = tiled_pixels(camera.width, camera.height)
+    if in_view is not None:
+        tiled = tiled[in_view.ravel()[tiled]]
     traced = _traced(scene, camera, cam_from_target, groups, tiled, sampling.samples, sampling)
     images = {}
     for name in list(traced):
-        images[name] = np.empty(len(tiled), dtype=np.float32)
+        images[name] = np.zeros(camera.width * camera.height, dtype=np.float32)
         images[name][tiled] = traced.pop(name)  # one at a time: a hundred Suns fill a memory
     if markers is not None and windows:
         near, edge = marker_pixels(markers, camera, cam_from_target, windows)
@@ -192,19 +197,24 @@ def _one_by_one(
     groups: Sequence[LightGroup],
     windows: list[Window],
     sampling: Sampling,
+    in_view: Mask | None,
 ) -> dict[str, Radiance]:
-    whole = [(0, 0, camera.width, camera.height)]
+    left, top, width, height = window_around(in_view, camera)
     near_samples = min(NEAR_SAMPLES, sampling.marker_samples)
     images = {}
     for group in groups:
         common = (geometry, camera, cam_from_target, group)
         depth, seed = sampling.max_depth, sampling.seed
-        image = render_group(*common, whole, sampling.samples, depth, seed)[0]
+        image = np.zeros((camera.height, camera.width), dtype=np.float32)
+        image[top : top + height, left : left + width] = render_group(
+            *common, [(left, top, width, height)], sampling.samples, depth, seed
+        )[0]
         # Sixteen passes of every Sun over every window would take longer than the image itself.
         shining = windows if isinstance(group, LampGroup) else []
         fine = render_group(*common, shining, near_samples, depth, seed)
-        for (left, top, width, height), patch in zip(shining, fine, strict=True):
-            image[top : top + height, left : left + width] = patch
+        for window, patch in zip(shining, fine, strict=True):
+            column, row, across, down = window
+            image[row : row + down, column : column + across] = patch
         if isinstance(group, LampGroup) and geometry.discs is not None:
             in_view = marker_windows(geometry.discs, camera, cam_from_target)
             samples = max(NEAR_SAMPLES, sampling.marker_samples)

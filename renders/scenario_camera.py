@@ -74,7 +74,8 @@ class ExposureTable(Table):
 
     ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
     given, each other metered from the image before it, of a pair from the 850 nm one. ``fixed``: as
-    given.
+    given. With ``[tumble]`` what is given is meant for the chip's own pixels; see
+    ``renders.tumble_world``.
     """
 
     mode: Literal["schedule", "auto", "fixed"] = "schedule"

@@ -46,6 +46,7 @@ class OnboardTable(Table):
     sigma_px: float = Field(1.0, gt=0, description="1-sigma of a corner, per axis, as expected")
     chaser_sigma_m: float = Field(SIGMA_M, ge=0, description="per axis, of its own navigation")
     chaser_sigma_m_s: float = Field(SIGMA_M_S, ge=0)
+    knows_inertia: bool = Field(True, description="whether the filters get the target's inertia")
     range_m: tuple[float, ...] = Field((), description="nearest and farthest, if any is known")
 
 

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats
-from models.dataset import FILTERED
+from models.arrays import Floats, Mask
+from models.dataset import FILTERED, FrameEntry
 from models.errors import ScenarioError
 from models.frame import FlightKnowledge
 from models.lights.earth import EARTH_RADIUS_KM
@@ -22,12 +22,15 @@ from models.lights.sun import sun_direction
 from models.motion.chaser_navigation import corrupted
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
+from models.pose import RigidTransform
 from models.relative_state import ChaserState
+from models.spacecraft.wireframes import wireframe_by_name
 from models.uncooperative import UncooperativeKnowledge
 from models.wireframe import Wireframe
-from renders.light_groups import LampGroup, SunGroup
+from renders.light_groups import EarthGroup, LampGroup, SunGroup
 from renders.scenario import Scenario
 from renders.scenario_tumble import TumbleTable
+from renders.silhouette import pixels_in_view, sees
 from renders.world import Exposure, Trajectory, World
 
 SHORTEST_S = 1.0  # a motion of one frame lasts, too
@@ -82,8 +85,6 @@ class TumbleWorld(World):
     @cached_property
     def wireframe(self) -> Wireframe:
         """The target as drawn."""
-        from models.spacecraft.wireframes import wireframe_by_name
-
         return wireframe_by_name(self.scenario.target)
 
     @cached_property
@@ -108,6 +109,18 @@ class TumbleWorld(World):
         position = self.tumble.chaser_state(time_s).position_in_inertial
         distance = float(np.linalg.norm(position))
         return self.target_from_inertial(time_s) @ (-position / distance), 1e-3 * distance
+
+    def silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
+        """Return the pixels that the target can fill, (height, width); None: any."""
+        return pixels_in_view(self.target, self.camera, cam_from_target)
+
+    def in_view(self, exposure: Exposure) -> Mask | None:
+        """Return the pixels that can show any light, (height, width); None: any."""
+        cam_from_target = self.tumble.cam_from_target(exposure.time_s)
+        for group in self.groups(exposure):
+            if isinstance(group, EarthGroup) and sees(self.camera, cam_from_target, group.earth):
+                return None
+        return self.silhouette(cam_from_target)
 
     def lamps_of(self, band: int) -> list[LampGroup]:
         """Return every lamp that shines: a floodlight or none."""
@@ -136,6 +149,7 @@ class TumbleWorld(World):
             chaser_sigma_m_s=table.chaser_sigma_m_s,
             range_m=(table.range_m[0], table.range_m[1]) if table.range_m else None,
             detector=self.scenario.simulated_detector,
+            inertia_kg_m2=np.array(self.table.inertia_kg_m2) if table.knows_inertia else None,
         )
 
     def navigation(self, exposure: Exposure, run: int) -> ChaserState:
@@ -149,6 +163,18 @@ class TumbleWorld(World):
             sigma_m=table.chaser_sigma_m,
             sigma_m_s=table.chaser_sigma_m_s,
         )
+
+    def frame_entries(self, prior: RigidTransform | None) -> list[FrameEntry]:
+        """Return the rows of ``frames.csv`` that are known before any image.
+
+        Exposure times are typed for the camera's own pixels: larger ones, with ``--width``, fill
+        sooner and are exposed for less, so that a first look shows the same levels.
+        """
+        share = self.scenario.pixel_scale**2
+        return [
+            replace(entry, exposure_ms=entry.exposure_ms * share)
+            for entry in super().frame_entries(prior)
+        ]
 
     def check_poses(self) -> None:
         """Refuse a motion that nobody would see: too near, out of the image, in Earth's shadow.

@@ -7,12 +7,21 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from models.arrays import Floats
+from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
 from renders.camera_plugin import sensor_dict
 
 Window = tuple[int, int, int, int]  # left, top, width, height, px
+
+
+def window_around(in_view: Mask | None, camera: Camera) -> Window:
+    """Return the least window that holds some pixels; the whole image for None, or for none."""
+    if in_view is None or not in_view.any():
+        return 0, 0, camera.width, camera.height
+    rows, columns = np.flatnonzero(in_view.any(axis=1)), np.flatnonzero(in_view.any(axis=0))
+    left, top = int(columns[0]), int(rows[0])
+    return left, top, int(columns[-1]) + 1 - left, int(rows[-1]) + 1 - top
 
 
 def render_windows(

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from models.arrays import Floats
+from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.dataset import FrameEntry
 from models.errors import ScenarioError
@@ -207,6 +207,14 @@ class World:
         suns = [self.sun_at(sun, exposure.time_s) for sun in self.suns]
         earths = [earth for sun in suns for earth in self.earth_under(sun, exposure.time_s)]
         return [*suns, *earths, *self.lamps_of(exposure.band)]
+
+    def silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
+        """Return the pixels that the target can fill, (height, width); None: any."""
+        return None
+
+    def in_view(self, exposure: Exposure) -> Mask | None:
+        """Return the pixels that can show any light, (height, width); None: any."""
+        return None
 
     def render_seed(self, frame: int) -> int:
         """Return the seed of both exposures of a frame: their noise cancels in the difference."""

@@ -1,0 +1,111 @@
+"""What is not traced is dark: the pixels in view hold all that a whole image shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from models.camera import Camera
+from models.lights.earth import Earth
+from models.pose import RigidTransform
+from models.spacecraft.part import Part, Spacecraft
+from renders.scenario import Scenario
+from renders.silhouette import MARGIN_PX, pixels_in_view, sees
+from renders.tumble_world import TumbleWorld, world_of
+from renders.windows import window_around
+from tests.support.small_scenes import activate_best
+from tests.support.tumble_scenario import tumble_table
+
+ROUNDING = 1e-6  # 32 bits: a cropped film counts its pixels from another corner
+CAMERA = Camera.from_fov(64, 48, 50.0)
+
+
+def ball_at(*place: float) -> Spacecraft:
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=1.0).apply_translation(place)
+    return Spacecraft("ball", (Part("ball", mesh, "white_paint"),), None, np.zeros(3))
+
+
+def ahead(range_m: float) -> RigidTransform:
+    return RigidTransform(np.eye(3), np.array([0.0, 0.0, range_m]))
+
+
+def test_a_ball_fills_its_disc_and_a_margin() -> None:
+    """A ball of radius 1 at d fills a disc of f tan(asin(1/d)); its mesh is a little smaller."""
+    seen = pixels_in_view(ball_at(0.0, 0.0, 0.0), CAMERA, ahead(10.0))
+    assert seen is not None
+    v, u = np.mgrid[0:48, 0:64]
+    off_px = np.hypot(u - CAMERA.cx, v - CAMERA.cy)
+    radius_px = CAMERA.fx * np.tan(np.arcsin(0.1))
+    assert seen[off_px <= radius_px].all()
+    diagonal_px = np.sqrt(2.0) * (MARGIN_PX + 1.0)
+    assert not seen[off_px > radius_px + diagonal_px].any()
+
+
+def test_where_it_cannot_be_told_all_pixels_are_in_view() -> None:
+    assert pixels_in_view(ball_at(0.0, 0.0, 0.0), CAMERA, ahead(0.5)) is None  # among the parts
+    bent = replace(CAMERA, k1=-0.1)
+    assert pixels_in_view(ball_at(0.0, 0.0, 0.0), bent, ahead(10.0)) is None
+
+
+def test_the_least_window_holds_them_and_no_row_or_column_more() -> None:
+    seen = np.zeros((48, 64), dtype=bool)
+    assert window_around(seen, CAMERA) == window_around(None, CAMERA) == (0, 0, 64, 48)
+    seen[10:20, 30] = seen[15, 25:40] = True
+    assert window_around(seen, CAMERA) == (25, 10, 15, 10)
+
+
+@pytest.mark.parametrize(
+    ("towards", "radius_km", "seen"),
+    [
+        ((0.0, 0.0, 1.0), 42164.0, True),  # whole within the image
+        ((0.0, 0.0, 1.0), 6400.0, True),  # behind all of it
+        ((0.0, 0.0, -1.0), 42164.0, False),
+        ((0.0, 1.0, 0.0), 7143.1, False),  # limb 26.8 deg off the boresight, image to 19.3 deg
+        ((0.0, 1.0, 0.0), 6700.0, True),  # limb 17.8 deg off
+    ],
+)
+def test_the_earth_is_seen_where_its_limb_is_in_the_image(
+    towards: tuple[float, float, float], radius_km: float, seen: bool
+) -> None:
+    earth = Earth(towards, (0.0, 0.0, -1.0), radius_km, 0.3, 75.0)
+    assert sees(CAMERA, ahead(10.0), earth) == seen
+
+
+def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -> None:
+    """A random number depends on its pixel alone, and what is left out is black."""
+    variant = activate_best()
+    from renders.batch import Studio
+    from renders.light_keys import LightKeys
+    from renders.store import RadianceStore
+
+    class Everything(TumbleWorld):
+        """The same world, of which nothing is left out."""
+
+        def silhouette(self, cam_from_target: RigidTransform) -> None:
+            return
+
+    scenario = Scenario.model_validate(tumble_table())
+    images, truths = [], []
+    for world in (world_of(scenario), Everything(scenario)):
+        store = RadianceStore(tmp_path / "none")
+        studio = Studio(world, store, LightKeys(world, "jit"), None)
+        exposure = world.exposures[1]
+        pose = world.trajectory.cam_from_target(exposure.time_s)
+        images.append(studio.trace(exposure, pose, world.groups(exposure)))
+        truths.append(studio.pixel_truth(pose))
+    few, every = images
+    assert few.keys() == every.keys()
+    if not variant.startswith("scalar"):  # whose windows draw samples of their own
+        for name, image in few.items():
+            np.testing.assert_array_equal(image, every[name])
+        assert max(float(image.max()) for image in few.values()) > 0.0
+    np.testing.assert_array_equal(truths[0].labels, truths[1].labels)
+    np.testing.assert_allclose(truths[0].depth_m, truths[1].depth_m, rtol=ROUNDING)
+    np.testing.assert_allclose(
+        truths[0].normals_in_target, truths[1].normals_in_target, atol=ROUNDING
+    )
+    assert 0.005 < (truths[0].labels > 0).mean() < 0.3
