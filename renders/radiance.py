@@ -216,8 +216,8 @@ def _one_by_one(
             column, row, across, down = window
             image[row : row + down, column : column + across] = patch
         if isinstance(group, LampGroup) and geometry.discs is not None:
-            in_view = marker_windows(geometry.discs, camera, cam_from_target)
+            discs = marker_windows(geometry.discs, camera, cam_from_target)
             samples = max(NEAR_SAMPLES, sampling.marker_samples)
-            add_lobes(image, geometry, camera, cam_from_target, group, in_view, samples, seed)
+            add_lobes(image, geometry, camera, cam_from_target, group, discs, samples, seed)
         images[group.name] = image
     return images
