@@ -126,7 +126,8 @@ def is_done(folder: Path, unit: WorkUnit) -> bool:
 def read_outcome(folder: Path, unit: WorkUnit) -> Outcome | None:
     """Return what a unit came to; None if it is not done, or was of another task or code."""
     try:
-        with np.load(outcome_path(folder, unit), allow_pickle=False) as file:
+        stream = io.BytesIO(outcome_path(folder, unit).read_bytes())
+        with np.load(stream, allow_pickle=False) as file:
             if str(file[KEY]) != unit.key:
                 return None
             values = {name: file[name] for name in file.files if name != KEY}

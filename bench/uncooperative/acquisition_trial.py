@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from bench.suites.units import Outcome
 from bench.uncooperative.cases import Case, tumble_of
+from bench.uncooperative.navigation_errors import pose_error_sizes
 from bench.uncooperative.navigators import navigator
 from bench.uncooperative.synthetic_points import PointNoise, point_frame
 from models.arrays import Floats
@@ -22,7 +23,7 @@ from models.camera import camera_preset
 from models.estimate import PoseEstimate
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
 from models.motion.tumble import CAM_FROM_LVLH
-from models.pose import RigidTransform, pose_error
+from models.pose import RigidTransform
 from models.spacecraft.wireframes import wireframe_by_name
 from models.uncooperative import UncooperativeKnowledge
 
@@ -129,8 +130,7 @@ def _acquisition(task: AcquisitionTask, run: int) -> tuple[list[float], float]:
         spent_s += time.perf_counter() - began
         if isinstance(estimate.pose, PoseEstimate):
             found, truth = estimate.pose.cam_from_target, tumble.cam_from_target(now_s)
-            error = pose_error(found, truth)
-            alike = symmetric_attitude_deg(found, truth, knowledge.target.symmetries)
-            size_m = float(np.linalg.norm(error.position_m))
-            return [epoch_s, frame + 1.0, size_m, error.attitude_deg, alike], spent_s
+            moved_m, turned_deg = pose_error_sizes(found, truth)
+            alike_deg = symmetric_attitude_deg(found, truth, knowledge.target.symmetries)
+            return [epoch_s, frame + 1.0, moved_m, turned_deg, alike_deg], spent_s
     return [epoch_s, 0.0, np.nan, np.nan, np.nan], spent_s

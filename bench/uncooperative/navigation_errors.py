@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.estimate import PoseEstimate
-from models.pose import RigidTransform, pose_error
+from models.pose import RigidTransform
 from models.relative_state import RelativeState
 from models.uncooperative import NavigationEstimate
 
@@ -63,8 +63,9 @@ def navigation_error(
     """Hold one estimate against the truth of its instant."""
     raw_position, raw_attitude = NONE, NONE
     if isinstance(estimate.pose, PoseEstimate):
-        wrong = pose_error(estimate.pose.cam_from_target, truth.cam_from_target(cam_from_lvlh))
-        raw_position, raw_attitude = float(np.linalg.norm(wrong.position_m)), wrong.attitude_deg
+        raw_position, raw_attitude = pose_error_sizes(
+            estimate.pose.cam_from_target, truth.cam_from_target(cam_from_lvlh)
+        )
     if estimate.state is None:
         return NavigationError(raw_position, raw_attitude, *([NONE] * 10))
     translation = translation_error(estimate.state, truth)
@@ -83,6 +84,16 @@ def navigation_error(
         normalised_square(rotation, estimate.rotation_covariance),
         *nis,
     )
+
+
+def pose_error_sizes(estimate: RigidTransform, truth: RigidTransform) -> tuple[float, float]:
+    """Return the size of a pose's position error, m, and of its attitude error, deg.
+
+    Unlike ``models.pose.pose_error`` it takes no Euler angles, which a tumble brings to their pole.
+    """
+    moved = float(np.linalg.norm(estimate.translation - truth.translation))
+    turned = Rotation.from_matrix(estimate.rotation @ truth.rotation.T).magnitude()
+    return moved, float(np.rad2deg(turned))
 
 
 def translation_error(state: RelativeState, truth: RelativeState) -> Floats:
