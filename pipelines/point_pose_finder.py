@@ -168,8 +168,8 @@ class PointPoseFinder:
             first_beta(spread_px2 + 2.0 * self._sigma_px**2),
             self._options.softposit,
         )
-        if annealed.pose is None or not annealed.converged:
-            return self._none(frame, "SoftPOSIT did not converge")
+        if annealed.pose is None:
+            return self._none(frame, "SoftPOSIT found no pose")
         matched = np.where(annealed.matched >= 0, landmarks[annealed.matched], -1)
         return self._raw_estimate(frame, annealed.pose, matched, landmarks)
 

@@ -20,6 +20,7 @@ from models.pose import RigidTransform
 
 CHI2_99 = 9.21  # 0.99 quantile of chi-square with two degrees of freedom
 LEAST_BETA, MOST_BETA = 1e-5, 0.1
+CHECKED_EVERY = 2  # sweeps: looking whether they have settled costs as much as one
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class SoftPositOptions:
     sinkhorn_sweeps : int
         Most sweeps of rows and columns in an iteration.
     sinkhorn_tolerance : float
-        A sweep that changes the sum of all elements by less ends them.
+        A sweep that changes the elements by less in all ends them.
     max_condition : float
         Of the pose's normal equations.
     """
@@ -222,9 +223,9 @@ class _Annealing:
         slack_rows, slack_columns = by_row[1], by_column[1]
         paired_rows, paired_columns = rows[:pairs], columns[:pairs]
         paired_slack_rows, paired_slack_columns = slack_rows[:pairs], slack_columns[:pairs]
-        totals, ones = np.empty(count + known), np.ones(count + known)
-        total_rows, total_columns = totals[:count], totals[count:]
-        for _ in range(options.sinkhorn_sweeps):
+        total_rows, total_columns = np.empty(count), np.empty(known)
+        moved = np.empty((count, known))
+        for sweep in range(options.sinkhorn_sweeps):
             np.dot(rows, weights, out=total_columns)
             total_columns *= columns
             total_columns += slack_columns
@@ -238,10 +239,14 @@ class _Annealing:
             by_row /= total_rows
             np.multiply(paired_rows, paired_columns, out=paired_slack_columns)
             paired_slack_columns *= slack
-            # Each sum moves the elements that it divides by as much as it differs from one.
-            totals -= ones
-            if np.dot(np.abs(totals, out=totals), ones) < options.sinkhorn_tolerance:
-                break
+            if sweep % CHECKED_EVERY:
+                # The sweep has divided each element by the product of its two sums.
+                np.multiply(total_rows[:, None], total_columns, out=moved)
+                moved -= 1.0
+                np.abs(moved, out=moved)
+                moved *= weights
+                if rows @ moved @ columns < options.sinkhorn_tolerance:
+                    break
         row_factors, column_factors = np.empty(count), np.empty(known)
         row_factors[row_order], column_factors[column_order] = rows, columns
         return row_factors, column_factors
