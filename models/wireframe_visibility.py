@@ -51,38 +51,60 @@ def visible_edge_pieces(
     """
     if samples < 2:
         raise ValueError(f"expected at least 2 samples along an edge, got {samples}")
-    start, end = np.moveaxis(wireframe.points_in_target[wireframe.edges], 1, 0)[:, :, None]
-    points = start + np.linspace(0.0, 1.0, samples)[:, None] * (end - start)
-    seen = visible_points(wireframe, points.reshape(-1, 3), cam_from_target)
-    return EdgePieces(points, seen.reshape(points.shape[:2]))
+    start, end = np.moveaxis(wireframe.points_in_target[wireframe.edges], 1, 0)
+    share = np.linspace(0.0, 1.0, samples)[:, None]
+    points = start[:, None] + share * (end - start)[:, None]
+    camera = cam_from_target.inverse().translation
+    triangles, ways = wireframe.triangles_in_target - camera, points - camera
+    edge, face = np.nonzero(_may_cross(triangles, start - camera, end - camera))
+    meets = _meet(triangles[face], ways[edge])
+    hidden = np.zeros(ways.shape[:2], dtype=bool)
+    np.logical_or.at(hidden, edge, meets)
+    return EdgePieces(points, _in_front(points, cam_from_target) & ~hidden)
 
 
 def visible_points(wireframe: Wireframe, points: Floats, cam_from_target: RigidTransform) -> Mask:
     """Tell which points on the target, (n, 3) m, are in front and not hidden, (n,)."""
     camera = cam_from_target.inverse().translation
+    meets = _meet(wireframe.triangles_in_target - camera, (points - camera)[None])
+    return _in_front(points, cam_from_target) & ~meets.any(axis=0)
+
+
+def _in_front(points: Floats, cam_from_target: RigidTransform) -> Mask:
     depth = points @ cam_from_target.rotation[2] + cam_from_target.translation[2]
-    hidden = _meet(wireframe.triangles_in_target - camera, points - camera)
-    return np.asarray((depth > NEAR_M) & ~hidden)
+    return np.asarray(depth > NEAR_M)
+
+
+def _may_cross(triangles: Floats, start: Floats, end: Floats) -> Mask:
+    """Tell which triangles reach both sides of the plane of the origin and an edge, (e, f)."""
+    side = triangles.reshape(-1, 3) @ np.cross(start, end).T
+    side = side.reshape(len(triangles), 3, len(start))
+    return np.asarray((side.min(axis=1) <= 0.0) & (side.max(axis=1) >= 0.0)).T
 
 
 def _meet(triangles: Floats, ways: Floats) -> Mask:
-    """Tell which segments from the origin, (n, 3) m, meet a triangle, (f, 3, 3) m, on their way.
+    """Tell which segments from the origin meet which triangle on their way, (f, n).
 
     With a corner a and sides b, c of a triangle and a way d, Cramer's rule gives the share of the
     way ``t = a.(b x c) / d.(b x c)`` and the place on the triangle ``u = d.(c x a) / d.(b x c)``,
     ``v = d.(a x b) / d.(b x c)``.
+
+    Parameters
+    ----------
+    triangles : (f, 3, 3) array, m
+    ways : (f, n, 3) or (1, n, 3) array, m
+        The segments that each triangle is asked about.
     """
     corner = triangles[:, 0]
     first, second = triangles[:, 1] - corner, triangles[:, 2] - corner
     normal = np.cross(first, second)
-    length = np.linalg.norm(ways, axis=1, keepdims=True)
-    volume = ways @ normal.T
-    # All three are compared after multiplication by the volume's sign, so nothing is divided.
-    sign = np.sign(volume)
-    u = sign * (ways @ np.cross(second, corner).T)
-    v = sign * (ways @ np.cross(corner, first).T)
-    size = np.abs(volume)
-    ahead = sign * np.einsum("ij,ij->i", corner, normal)
+    across = np.stack([normal, np.cross(second, corner), np.cross(corner, first)], axis=-1)
+    volume, u, v = np.moveaxis(ways @ across, -1, 0)
+    # All are compared after multiplication by the volume's sign, so that nothing is divided.
+    sign, size = np.sign(volume), np.abs(volume)
+    u, v = sign * u, sign * v
+    ahead = sign * np.einsum("ij,ij->i", corner, normal)[:, None]
+    length = np.linalg.norm(ways, axis=-1)
     short = 1.0 - CLEAR_M / np.maximum(length, 2.0 * CLEAR_M)
     meets = (u >= 0.0) & (v >= 0.0) & (u + v <= size) & (ahead > 0.0) & (ahead < short * size)
-    return np.asarray(meets.any(axis=1))
+    return np.asarray(meets)

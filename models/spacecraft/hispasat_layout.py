@@ -15,12 +15,12 @@ from models.pose import RigidTransform
 from models.spacecraft.offset_dish import OffsetDish
 from models.spacecraft.panel_wing import PanelWing
 
-BODY_LOW = (-1.15, -0.95, -1.30)
-BODY_HIGH = (1.15, 0.95, 1.20)
+BODY_LOW = (-1.15, -0.95, -1.05)
+BODY_HIGH = (1.15, 0.95, 1.45)
 RADIATOR_M = (1.96, 2.16)  # along x and along z, on both y faces
-RADIATOR_Z = -0.05
+RADIATOR_Z = 0.20
 
-WING_Z = -0.05  # of the wings' axis
+WING_Z = 0.10  # of the wings' axis
 WING_TURN_DEG = 25.0  # of both wings about y from cells facing the Earth: where the drives stopped
 WING = PanelWing(
     panels=3,
@@ -43,13 +43,13 @@ DISH = OffsetDish(
     diameter_m=1.8,
     focal_length_m=1.5,
     axis_x_m=1.25,
-    vertex_z_m=0.20,
+    vertex_z_m=-0.05,
     clearance_m=0.30,
     shell_m=0.020,
 )
 
 # The active receiving antenna on the Earth deck.
-ACTIVE_LOW, ACTIVE_HIGH = (-0.55, 0.00, 1.20), (0.25, 0.80, 1.62)
+ACTIVE_LOW, ACTIVE_HIGH = (-0.55, 0.00, 1.45), (0.25, 0.80, 1.87)
 
 
 def body_from_wing(sign: float) -> RigidTransform:

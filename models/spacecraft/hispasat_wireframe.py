@@ -1,8 +1,10 @@
 """Hispasat 36W-1's wireframe: 20 corners that an image shows, and a hull that hides them.
 
 Wing corners lie in the middle of the sheet's thickness. No turn carries the craft onto itself, but
-half a turn about y comes near: it carries the wings onto themselves to 0.1 m, and swaps the
-Earth deck with the deck of the launcher's ring; the antennas alone tell these apart.
+half a turn about y comes near: it carries the wings to 0.2 m from themselves and the body to 0.4 m,
+the Earth deck where the launcher's was; only the active antenna's corners lie 1 m and more from any
+other. Half a turn about z carries the body's corners onto themselves, and the wings, which stand
+askew, 0.9 m away.
 """
 
 from __future__ import annotations

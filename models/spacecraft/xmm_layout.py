@@ -26,7 +26,7 @@ HORN_X = -7.70  # mouths of the two MOS radiators
 SERVICE_HALF_Y, SERVICE_HALF_Z = 1.65, 1.50
 LOWER_TUBE_M, UPPER_TUBE_M, JOINT_M = 1.05, 0.95, 1.08  # radii
 FOCAL_HALF_Y = 1.12
-FOCAL_Z = (-1.20, 1.00)
+FOCAL_Z = (-1.35, 1.00)
 
 # The sunshield's plan, (y, z) m, from the fold between its flat and its slanted panel outwards.
 SHIELD_FOLD = (0.90, 1.42)
@@ -44,7 +44,7 @@ OUTGASSING_LOW, OUTGASSING_HIGH = (-5.45, -0.38, -1.38), (-4.05, 0.38, -0.70)
 POD_M = (0.34, 0.26, 0.26)  # of the boxes that carry pairs of thrusters
 PODS_YZ = ((-1.38, -1.22), (1.38, -1.22), (1.38, 1.22), (-1.38, 1.22))
 
-WING_X, WING_Z = 1.475, 0.20  # of the wings' axis and of their cells' side
+WING_X, WING_Z = 1.475, 0.45  # of the wings' axis and of their cells' side
 WING = PanelWing(
     panels=3,
     panel_m=(1.94, 1.81),

@@ -35,7 +35,7 @@ from models.spacecraft.xmm_telescope import BLANKET_M, FACET_M, FOIL, RELIEF_M, 
 from models.spacecraft.xmm_wireframe import SIDES, baffle_centres, shield_corners
 
 SUN_FOIL = "mli_gold"
-SHIELD_RELIEF_M = 0.008
+SHIELD_RELIEF_M = 0.016
 RADIATOR_M = (0.62, 1.30)  # along x and along z, on the +-y sides
 RADIATOR_Z = -0.55
 DOOR_M = 0.46

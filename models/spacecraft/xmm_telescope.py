@@ -19,7 +19,8 @@ from models.spacecraft.solids import box, cup, cylinder, joined, lathe, placed, 
 FOIL = "mli_black"
 BLANKET_M = 0.012  # the structure lies this far inside the held-down foil
 SEGMENTS = 96
-RELIEF_M, FACET_M = 0.010, 0.055
+RELIEF_M, FACET_M = 0.010, 0.055  # on boxes, whose edges are seen against the sky
+TUBE_RELIEF_M = 0.024
 SEAM_PITCH_M = 0.84  # between the rings that hold the tube's blankets
 RADIATOR_M = 0.02  # by which the flat radiators stand proud
 
@@ -34,7 +35,7 @@ def telescope_parts() -> tuple[Part, ...]:
     return (
         Part("telescope_tube", _tube(), "carbon_fibre", smooth=True),
         Part("telescope_tube", _tube_foil(), FOIL, smooth=True),
-        Part("telescope_tube", _joint(), "bare_aluminium", smooth=True),
+        Part("telescope_tube", _joint(), FOIL, smooth=True),
         Part("outgassing_baffle", _outgassing_baffle(), FOIL),
         Part("focal_plane_assembly", _focal_plane(), "carbon_fibre"),
         Part("focal_plane_assembly", _focal_foil(), FOIL, smooth=True),
@@ -62,7 +63,7 @@ def _tube_foil() -> trimesh.Trimesh:
     pieces = []
     for radius, bottom, top, seed in halves:
         seams = tuple(np.arange(SEAM_PITCH_M, top - bottom - 0.2, SEAM_PITCH_M).tolist())
-        foil = tube_foil(radius, bottom, top, FACET_M, seed, RELIEF_M, seams)
+        foil = tube_foil(radius, bottom, top, FACET_M, seed, TUBE_RELIEF_M, seams)
         pieces.append(placed(foil, along_x()))
     return joined(pieces)
 
@@ -135,7 +136,7 @@ def _radiators() -> trimesh.Trimesh:
     middle = 0.5 * (x0 + x1)
     return joined(
         [
-            box((RADIATOR_M, 0.86, 0.55), (x0 - 0.5 * RADIATOR_M - 0.015, 0.0, 0.42)),
+            box((RADIATOR_M, 0.86, 0.55), (x0 - 0.5 * RADIATOR_M - 0.015, 0.0, 0.45)),
             box((0.70, 0.72, RADIATOR_M), (middle, -0.52, z - 0.5 * RADIATOR_M - 0.015)),
             box((0.70, 0.72, RADIATOR_M), (middle, 0.52, z - 0.5 * RADIATOR_M - 0.015)),
         ]

@@ -1,19 +1,20 @@
 """XMM-Newton's wireframe: 30 corners that an image shows, and a hull that hides them.
 
 Wing corners and the sunshield's lie in the middle of their sheets' thickness. The craft mirrors
-itself in y = 0 and in nothing else: no turn carries it onto itself. Half a turn about x comes near:
-it carries the box of the service module onto itself, the wings onto places 0.38 m beside them,
-and only the sunshield and the focal plane assembly tell which side the Sun is on.
+itself in y = 0 and in nothing else: no turn carries it onto itself. Half a turn about x comes
+nearest: it carries the service module's box onto itself, the focal plane assembly's to 0.35 m from
+itself and the wings to 0.88 m; only the sunshield's corners lie 1 to 1.4 m from any other.
 """
 
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from models.arrays import Floats
 from models.spacecraft import xmm_layout as at
 from models.spacecraft.hull import Outline, box_outline, hiding, sheet_outline, wireframe
-from models.spacecraft.solids import box, cylinder, frustum, placed, standing
+from models.spacecraft.solids import box, lathe, placed, standing
 from models.wireframe import Wireframe
 
 SIDES = {"plus_y": 1.0, "minus_y": -1.0}
@@ -84,22 +85,32 @@ def _focal_plane() -> Outline:
 
 def _hidden() -> list[Outline]:
     """Return what only hides: tube, horns, baffles, outgassing baffle and thruster pods."""
-    along_x = standing((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     solids = [
-        placed(cylinder(at.LOWER_TUBE_M, at.JOINT_X, at.SERVICE_X[0], TUBE_SIDES), along_x),
-        placed(cylinder(at.UPPER_TUBE_M, at.FOCAL_X[1], at.JOINT_X, TUBE_SIDES), along_x),
+        _round(0.0, 0.0, at.LOWER_TUBE_M, at.LOWER_TUBE_M, at.JOINT_X, at.SERVICE_X[0], TUBE_SIDES),
+        _round(0.0, 0.0, at.UPPER_TUBE_M, at.UPPER_TUBE_M, at.FOCAL_X[1], at.JOINT_X, TUBE_SIDES),
     ]
-    for y, z in at.HORNS_YZ:
-        horn = frustum(at.HORN_M[1], at.HORN_M[0], at.HORN_X, at.FOCAL_X[0], HORN_SIDES)
-        solids.append(placed(horn, standing((0.0, y, z), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
-    for y, z in baffle_centres():
-        baffle = cylinder(at.BAFFLE_M, at.SERVICE_X[1], at.BAFFLE_X, BAFFLE_SIDES)
-        solids.append(placed(baffle, standing((0.0, y, z), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
+    foot, mouth = at.HORN_M
+    solids += [
+        _round(y, z, mouth, foot, at.HORN_X, at.FOCAL_X[0], HORN_SIDES) for y, z in at.HORNS_YZ
+    ]
+    solids += [
+        _round(y, z, at.BAFFLE_M, at.BAFFLE_M, at.SERVICE_X[1], at.BAFFLE_X, BAFFLE_SIDES)
+        for y, z in baffle_centres()
+    ]
     low, high = np.array(at.OUTGASSING_LOW), np.array(at.OUTGASSING_HIGH)
     solids.append(box(high - low, 0.5 * (low + high)))
     for y, z in at.PODS_YZ:
         solids.append(box(at.POD_M, (at.SERVICE_X[0] - 0.5 * at.POD_M[0], y, z)))
     return [hiding(solid) for solid in solids]
+
+
+def _round(
+    y: float, z: float, low_m: float, high_m: float, low_x: float, high_x: float, sides: int
+) -> trimesh.Trimesh:
+    """Return an open cone or cylinder along x through (y, z), of the circle's width on average."""
+    swell = 1.0 / np.sinc(1.0 / sides)
+    wall = lathe([(swell * low_m, low_x), (swell * high_m, high_x)], sides)
+    return placed(wall, standing((0.0, y, z), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
 
 
 def baffle_centres() -> Floats:
