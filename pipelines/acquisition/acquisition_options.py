@@ -17,6 +17,9 @@ class HypothesizeAndTestOptions:
         n_lim over the number of image points.
     most_hypotheses : int
         t_lim as a count, so that a result does not depend on the machine: about four seconds.
+    screen_gates : float
+        A set whose fourth match lies further than this many D_m from where the other three bring
+        it is not solved; 0 solves all.
     seed : tuple of int
         Keys the draws, with the frame's number.
     """
@@ -24,6 +27,7 @@ class HypothesizeAndTestOptions:
     set_size: int = 4
     share_to_accept: float = 0.6
     most_hypotheses: int = 40_000
+    screen_gates: float = 8.0
     seed: tuple[int, ...] = (0,)
 
 

@@ -8,7 +8,9 @@ Where the print leaves a choice. D_m, "the minimum detectable distance between t
 least distance between two points of the image; a corner detector resolves nothing nearer than its
 own noise, so it is not less than three sigmas. t_lim is a number of hypotheses, not of seconds, so
 that a result does not depend on the machine. Points and landmarks are drawn without repetition.
-The hypotheses are drawn, and tested, in blocks; the first of a block that passes is taken.
+The hypotheses are drawn in blocks; the first of a block that passes is taken. A set that cannot
+pass is not solved: three of its matches have at most four poses, found for a whole block at once,
+and where none of them brings the fourth landmark anywhere near its point EPnP would not either.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ from models.pose import RigidTransform
 from models.wireframe import Wireframe
 from pipelines.acquisition.acquisition_options import HypothesizeAndTestOptions
 from pipelines.acquisition.pca_classes import pca_classes
+from pipelines.acquisition.three_point_poses import LandmarkTriples, three_point_poses
 from pipelines.pnp.projection_jacobian import project_normalised
 
 LEAST_GATE_SIGMAS = 3.0
@@ -98,14 +101,15 @@ def hypothesize_and_test(
         count = min(BLOCK, options.most_hypotheses - tried)
         points = _drawn_sets(rng, chosen, count, size)
         named = _drawn_sets(rng, landmarks, count, size)
-        for point, landmark in zip(points, named, strict=True):
-            tried += 1
-            pose = _hypothesis(target, normalised, point, landmark, gate)
+        reach = options.screen_gates * gate
+        for place in _possible(target, normalised, points, named, reach):
+            pose = _hypothesis(target, normalised, points[place], named[place], gate)
             if pose is None:
                 continue
             found = _enlarged(target, normalised, pose, gate, enough)
             if found is not None:
-                return ConsensusPose(*found, tried)
+                return ConsensusPose(*found, tried + int(place) + 1)
+        tried += count
     return f"no pose within {tried} hypotheses, the time that Algorithm 1 allows an image"
 
 
@@ -128,6 +132,25 @@ def _drawn_sets(rng: np.random.Generator, among: Indices, count: int, size: int)
     """Draw ordered sets without repetition, (count, size)."""
     order = rng.random((count, len(among))).argsort(axis=1)[:, :size]
     return among[order]
+
+
+def _possible(
+    target: Wireframe, normalised: Floats, points: Indices, named: Indices, reach: float
+) -> Indices:
+    """Return the rows whose fourth landmark comes within reach of its point, by the first three."""
+    if reach <= 0.0:
+        return np.arange(len(points))
+    known = target.points_in_target[named]
+    rays = np.concatenate([normalised[points[:, :3]], np.ones((len(points), 3, 1))], axis=2)
+    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    triples = LandmarkTriples.of(target.points_in_target, named[:, :3])
+    rotations, translations, of_row = three_point_poses(rays[triples.row], triples)
+    row = triples.row[of_row]
+    in_cam = np.einsum("pij,pj->pi", rotations, known[row, 3]) + translations
+    missed = np.abs(in_cam[:, :2] - normalised[points[row, 3]] * in_cam[:, 2:])
+    near = (missed < reach * in_cam[:, 2:]).all(axis=1)
+    flat = np.setdiff1d(np.arange(len(points)), triples.row)  # no pose from three in a line
+    return np.union1d(row[near], flat)
 
 
 def _hypothesis(

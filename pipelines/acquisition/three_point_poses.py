@@ -32,12 +32,15 @@ class LandmarkTriples:
     axes : (q, 3, 3) array
         Rows are a right-handed triad: first side, in the plane, normal.
     first_in_target : (q, 3) array, m
+    row : (q,) int array
+        Place of each among the triples offered.
     """
 
     landmarks: Indices
     squared_sides: Floats
     axes: Floats
     first_in_target: Floats
+    row: Indices
 
     def __len__(self) -> int:
         return len(self.landmarks)
@@ -49,7 +52,11 @@ class LandmarkTriples:
         every = np.stack(np.meshgrid(*3 * [np.arange(count)], indexing="ij"), axis=-1)
         triples = every.reshape(-1, 3)
         i, j, k = triples.T
-        triples = chosen[triples[(i != j) & (j != k) & (i != k)]]
+        return cls.of(points_in_target, chosen[triples[(i != j) & (j != k) & (i != k)]])
+
+    @classmethod
+    def of(cls, points_in_target: Floats, triples: Indices) -> LandmarkTriples:
+        """Take triples (q, 3) but for those that are nearly in a line."""
         first, second, third = (points_in_target[triples[:, n]] for n in range(3))
         sides = np.stack([third - second, third - first, second - first])
         squared = (sides**2).sum(axis=-1)
@@ -60,6 +67,7 @@ class LandmarkTriples:
             squared[:, keep],
             _triads(sides[2, keep], sides[1, keep]),
             first[keep],
+            np.flatnonzero(keep),
         )
 
 
@@ -188,8 +196,8 @@ def three_point_poses(rays: Floats, triples: LandmarkTriples) -> tuple[Floats, F
 
     Parameters
     ----------
-    rays : (3, 3) array
-        Unit directions in the camera's axes, one in a row.
+    rays : (3, 3) or (q, 3, 3) array
+        Unit directions in the camera's axes, one in a row: for all triples, or three for each.
     triples : LandmarkTriples
 
     Returns
@@ -200,7 +208,9 @@ def three_point_poses(rays: Floats, triples: LandmarkTriples) -> tuple[Floats, F
     of_triple : (p,) int array
         Row of ``triples`` that gave the pose.
     """
-    cosines = np.array([rays[1] @ rays[2], rays[0] @ rays[2], rays[0] @ rays[1]])
+    each = np.broadcast_to(rays, (len(triples), 3, 3))
+    other = rays[..., [1, 0, 0], :] * rays[..., [2, 2, 1], :]
+    cosines = np.broadcast_to(other.sum(axis=-1), (len(triples), 3)).T
     ca, cb, cg = cosines
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         v = real_quartic_roots(_grunert(triples.squared_sides, cosines))
@@ -212,11 +222,12 @@ def three_point_poses(rays: Floats, triples: LandmarkTriples) -> tuple[Floats, F
     good = np.isfinite(distances).all(axis=0) & (distances > 0.0).all(axis=0)
     _, of_triple = np.nonzero(good)
     sides = triples.squared_sides[:, of_triple]
-    found = _polished(distances[:, good], sides, cosines)
-    misfit = np.abs(_law_of_cosines(found, sides, cosines)).max(axis=0)
+    angles = cosines[:, of_triple]
+    found = _polished(distances[:, good], sides, angles)
+    misfit = np.abs(_law_of_cosines(found, sides, angles)).max(axis=0)
     kept = (misfit < LARGEST_MISFIT * sides.max(axis=0)) & (found > 0.0).all(axis=0)
     found, of_triple = found[:, kept], of_triple[kept]
-    in_cam = found.T[:, :, None] * rays
+    in_cam = found.T[:, :, None] * each[of_triple]
     axes = _triads(in_cam[:, 1] - in_cam[:, 0], in_cam[:, 2] - in_cam[:, 0])
     rotations = axes.transpose(0, 2, 1) @ triples.axes[of_triple]
     turned = np.einsum("pij,pj->pi", rotations, triples.first_in_target[of_triple])
