@@ -90,10 +90,14 @@ def update(state: RotationState, measured: Floats, noise: Floats) -> RotationUpd
 def _step(state: RotationState, references: Floats, seen: Floats, weights: Floats) -> RotationState:
     expected = references @ state.R_lvlh_from_target
     push = residual(seen, expected, weights)
-    fraction = np.zeros((12, 12))
-    fraction[6:9, :3] = second_order_term(seen, expected, weights)
-    connection = 0.5 * skew(state.covariance[:3, :3] @ push)
-    fraction[:3, :3], fraction[6:9, 6:9] = -connection, connection.T
+    told = np.zeros((6, 6))
+    told[:3, :3] = second_order_term(seen, expected, weights)
+    # W turns the gain by half of what the attitude moves, which at the start is far less than the
+    # gain before the step would move it.
+    moves = np.linalg.solve(np.eye(6) + state.covariance @ told, state.covariance)[:3, :3] @ push
+    connection = np.zeros((6, 6))
+    connection[:3, :3] = 0.5 * skew(moves)
+    fraction = np.block([[-connection, np.zeros((6, 6))], [told, connection.T]])
     moved = expm(fraction)
     upper = moved[:6, :6] @ state.covariance + moved[:6, 6:]
     lower = moved[6:, :6] @ state.covariance + moved[6:, 6:]
