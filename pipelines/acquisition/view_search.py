@@ -13,25 +13,24 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from models.arrays import Floats, Indices
+from models.arrays import Floats
 from models.camera import Camera
 from models.pose import RigidTransform
 from pipelines.acquisition.view_sphere import (
     CELLS,
-    EDGE_DIRECTIONS,
     REACH,
     ViewSphere,
     centred,
-    cell_of,
-    edge_picture,
+    edge_pictures,
     pose_from_view,
     shape_of,
 )
 from pipelines.tracking.edge_fit import EdgeImage
 
-ROLLS = 48
-SCALES = (0.8, 0.92, 1.06, 1.22)  # of the lit part's size,
-SHIFTS = (-0.25, 0.0, 0.25)  # and of its centroid, in radii of gyration
+ROLLS = 45
+SCALES = (0.85, 1.0, 1.17)  # of the lit part's size,
+SHIFTS = ((0.0, 0.0), (0.2, 0.2), (0.2, -0.2), (-0.2, 0.2), (-0.2, -0.2))  # in radii of gyration
+MOST_EDGE_POINTS = 1000
 EDGE_SHARE = 1.0  # what likeness of edges counts against that of silhouettes
 TURN_APART_DEG = 6.0  # two of the best nearer than this are one
 
@@ -65,6 +64,8 @@ def search_views(image: EdgeImage, sphere: ViewSphere, count: int) -> list[Hypot
     """
     centroid, gyration = shape_of(image.target.lit)
     row, column = np.nonzero(image.edge_map.edges)
+    every = len(row) // MOST_EDGE_POINTS + 1
+    row, column = row[::every], column[::every]
     points = np.stack([column, row], axis=1).astype(np.float64)
     angle = image.edge_map.angle_rad[row, column].astype(np.float64)
     lit = image.target.lit.astype(np.float32)
@@ -74,11 +75,10 @@ def search_views(image: EdgeImage, sphere: ViewSphere, count: int) -> list[Hypot
     for scale in SCALES:
         size = scale * gyration
         soft = cv2.GaussianBlur(lit, (0, 0), max(0.5 * size * REACH / (0.5 * CELLS), 0.3))
-        for dx in SHIFTS:
-            for dy in SHIFTS:
-                centre = centroid + gyration * np.array([dx, dy])
-                scores.append(_likeness(soft, points, angle, centre, size, rolls, sphere))
-                settings.append((size, centre))
+        for shift in SHIFTS:
+            centre = centroid + gyration * np.array(shift)
+            scores.append(_likeness(soft, points, angle, centre, size, rolls, sphere))
+            settings.append((size, centre))
     return _best(np.array(scores), settings, rolls, sphere, image.camera, count)
 
 
@@ -92,25 +92,25 @@ def _likeness(
     sphere: ViewSphere,
 ) -> Floats:
     """Return how like each view, at each roll, an image reduced about a centre is, (rolls, v)."""
-    side = (np.arange(CELLS) - 0.5 * (CELLS - 1)) * size * REACH / (0.5 * CELLS)
+    step = size * REACH / (0.5 * CELLS)
+    side = (np.arange(CELLS) - 0.5 * (CELLS - 1)) * step
     x, y = np.meshgrid(side, side)
-    covered, edges = [], []
-    away = points - centre
-    for roll in rolls:
-        cosine, sine = np.cos(roll), np.sin(roll)
-        # The view's x axis lies along (cosine, sine) in the image.
-        u = (centre[0] + cosine * x - sine * y).astype(np.float32)
-        v = (centre[1] + sine * x + cosine * y).astype(np.float32)
-        covered.append(cv2.remap(soft, u, v, cv2.INTER_LINEAR).ravel())
-        back = np.stack(
-            [cosine * away[:, 0] + sine * away[:, 1], -sine * away[:, 0] + cosine * away[:, 1]],
-            axis=1,
-        )
-        turned = angle - roll
-        normals = np.stack([np.cos(turned), np.sin(turned)], axis=1)
-        edges.append(edge_picture(cell_of(back, np.zeros(2), size), normals).ravel())
-    by_shape = centred(np.array(covered)) @ sphere.covered.T
-    by_edges = np.array(edges, dtype=np.float32) @ sphere.edges.T
+    cosine, sine = np.cos(rolls)[:, None, None], np.sin(rolls)[:, None, None]
+    # The view's x axis lies along (cosine, sine) in the image.
+    u = (centre[0] + cosine * x - sine * y).astype(np.float32).reshape(-1, CELLS)
+    v = (centre[1] + sine * x + cosine * y).astype(np.float32).reshape(-1, CELLS)
+    covered = cv2.remap(soft, u, v, cv2.INTER_LINEAR).reshape(len(rolls), -1)
+    away_x, away_y = (points - centre).T / step
+    back = np.stack(
+        [
+            cosine[..., 0] * away_x + sine[..., 0] * away_y,
+            -sine[..., 0] * away_x + cosine[..., 0] * away_y,
+        ],
+        axis=-1,
+    )
+    edges = edge_pictures(back + 0.5 * (CELLS - 1), angle - rolls[:, None])
+    by_shape = centred(covered) @ sphere.covered.T
+    by_edges = edges @ sphere.edges.T
     return np.asarray(by_shape + EDGE_SHARE * by_edges, dtype=np.float64)
 
 
@@ -146,6 +146,3 @@ def _best(
         if len(chosen) == count:
             break
     return chosen
-
-
-__all__ = ["EDGE_DIRECTIONS", "Hypothesis", "Indices", "search_views"]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
+import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -101,21 +102,35 @@ def cell_of(points: Floats, centroid: Floats, gyration: float) -> Floats:
     return (points - centroid) / gyration * (0.5 * CELLS / REACH) + 0.5 * (CELLS - 1)
 
 
-def edge_picture(cells: Floats, normals: Floats) -> Radiance:
-    """Draw edge points (n, 2), in cells, by direction: (directions, cells, cells), length 1."""
-    import cv2
+def edge_pictures(cells: Floats, angles: Floats) -> Radiance:
+    """Draw edge points by their direction, once for each of r rolls.
 
-    angle = np.arctan2(normals[:, 1], normals[:, 0]) % np.pi
-    step = np.pi / EDGE_DIRECTIONS
-    picture = np.zeros((EDGE_DIRECTIONS, CELLS, CELLS), dtype=np.float32)
-    column, row = np.rint(cells).astype(int).T
+    Parameters
+    ----------
+    cells : (r, n, 2) array, cells
+        Where the points are.
+    angles : (r, n) array, rad
+        Of their normals.
+
+    Returns
+    -------
+    (r, directions * cells * cells) float32 array, each row of length 1.
+    """
+    count, area = len(cells), CELLS * CELLS
+    share, lower = np.modf(angles % np.pi * (EDGE_DIRECTIONS / np.pi))
+    first = lower.astype(np.int64) % EDGE_DIRECTIONS
+    column, row = np.moveaxis(np.rint(cells).astype(np.int64), -1, 0)
     inside = (column >= 0) & (column < CELLS) & (row >= 0) & (row < CELLS)
-    for k in range(EDGE_DIRECTIONS):
-        away = np.abs((angle - k * step + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
-        share = np.maximum(1.0 - away / step, 0.0)
-        np.add.at(picture[k], (row[inside], column[inside]), share[inside])
-        picture[k] = cv2.GaussianBlur(np.sqrt(picture[k]), (0, 0), 0.8)
-    return picture / max(float(np.linalg.norm(picture)), 1e-9)
+    place = np.arange(count)[:, None] * (EDGE_DIRECTIONS * area) + row * CELLS + column
+    total = np.zeros(count * EDGE_DIRECTIONS * area)
+    for direction, weight in ((first, 1.0 - share), ((first + 1) % EDGE_DIRECTIONS, share)):
+        at = (place + direction * area)[inside]
+        total += np.bincount(at, weight[inside], minlength=len(total))
+    pictures = np.sqrt(total).astype(np.float32).reshape(-1, CELLS, CELLS)
+    for picture in pictures:
+        cv2.GaussianBlur(picture, (5, 5), 0.8, dst=picture)
+    flat = pictures.reshape(count, -1)
+    return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-9))
 
 
 def centred(picture: Radiance) -> Radiance:
@@ -134,8 +149,6 @@ def view_sphere(wireframe: Wireframe, range_m: float) -> ViewSphere:
     range_m : float, m
         How far off; it matters for the perspective alone.
     """
-    import cv2
-
     edges = ModelEdges(wireframe, MODEL_SAMPLES)
     half = 1.02 * wireframe.radius_m / np.sqrt(range_m**2 - wireframe.radius_m**2)
     focal = 0.5 * VIEW_PX / half
@@ -149,7 +162,8 @@ def view_sphere(wireframe: Wireframe, range_m: float) -> ViewSphere:
         centroid, gyration = shape_of(mask)
         samples = edges.shown(camera, pose)
         cells = cell_of(samples.points_px, centroid, gyration)
-        drawn.append(edge_picture(cells, samples.normals_px).ravel())
+        angle = np.arctan2(samples.normals_px[:, 1], samples.normals_px[:, 0])
+        drawn.append(edge_pictures(cells[None], angle[None])[0])
         step = gyration * REACH / (0.5 * CELLS)
         x, y = np.meshgrid(centroid[0] + step * side, centroid[1] + step * side)
         soft = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 0.5 * step)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from models.arrays import Floats, Mask
+from models.arrays import AnyArray, Floats, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
 from pipelines.detection.edge_map import EdgeMap
@@ -27,6 +27,8 @@ LEAST_SCALE_PX = 0.5
 DAMPING = 1e-6
 FEWEST_SAMPLES = 30
 FINE_STEP_PX = 0.5
+ALIGNED_BEYOND_PX = 5.0  # a wider search takes only steps whose gradient lies along the normal,
+ALIGNED_RAD = 0.45  # within this; a turn of the pose's error must not shut them out
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +114,8 @@ def search_steps(image: EdgeImage, samples: EdgeSamples, reach_px: float) -> Edg
     peak[:, 1:-1] = (middle >= size[:, :-2]) & (middle > size[:, 2:])
     relative = size / gate
     strongest = np.where(peak, relative, 0.0).max(axis=1, keepdims=True)
+    if reach_px > ALIGNED_BEYOND_PX:
+        peak &= _aligned(image.edge_map, samples, x[:, 1:-1], y[:, 1:-1])
     peak &= (relative > 1.0) & (relative >= STRONG_SHARE * np.minimum(strongest, 10.0))
     away = np.where(peak, np.abs(offsets[1:-1]), np.inf)
     nearest = np.argmin(away, axis=1)
@@ -126,6 +130,16 @@ def search_steps(image: EdgeImage, samples: EdgeSamples, reach_px: float) -> Edg
         distance = _sharpened(image, samples, distance)
     lit = level.max(axis=1) > np.arcsinh(1.0)
     return EdgeSteps(np.where(found, distance, np.nan), ~lit)
+
+
+def _aligned(edge_map: EdgeMap, samples: EdgeSamples, x: AnyArray, y: AnyArray) -> Mask:
+    """Tell where the image's gradient lies along the samples' normals, give or take."""
+    height, width = edge_map.angle_rad.shape
+    column = np.clip(np.rint(x).astype(np.int64), 0, width - 1)
+    row = np.clip(np.rint(y).astype(np.int64), 0, height - 1)
+    normal = np.arctan2(samples.normals_px[:, 1], samples.normals_px[:, 0])[:, None]
+    away = np.abs((edge_map.angle_rad[row, column] - normal + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
+    return np.asarray(away < ALIGNED_RAD)
 
 
 def _sharpened(image: EdgeImage, samples: EdgeSamples, distance_px: Floats) -> Floats:
@@ -237,9 +251,7 @@ def _solve(
     if diagonal.min() <= 0.0:
         return None
     try:
-        change = np.linalg.solve(
-            information + DAMPING * np.diag(diagonal), weighted.T @ residual
-        )
+        change = np.linalg.solve(information + DAMPING * np.diag(diagonal), weighted.T @ residual)
     except np.linalg.LinAlgError:
         return None
     if not np.isfinite(change).all():

@@ -3,8 +3,7 @@
 Two kinds of edge: the wireframe's own, and the outlines of its hiding faces, where one of the two
 faces that meet looks at the camera and the other away (the side of a tube has no other edges).
 Both are cut into samples once; at a pose the samples are projected and those behind a face are
-left out. A face's inverse depth is affine in the image, so one matrix product tests all samples
-against all faces.
+left out.
 """
 
 from __future__ import annotations
@@ -19,10 +18,9 @@ from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.wireframe import Wireframe
+from models.wireframe_visibility import visible_points
 
-SAMPLES_ON_A_RADIUS = 40.0  # how finely edges are cut
-MOST_SAMPLES = 1500
-HIDING_SHARE = 4e-3  # of the radius: less far in front of a sample a face does not hide it
+MOST_SAMPLES = 900
 WELD_M = 1e-4  # corners of faces nearer than this are one
 ON_EDGE_M = 0.02  # an outline this near to an edge of the wireframe is that edge
 
@@ -69,9 +67,11 @@ class ModelEdges:
     Parameters
     ----------
     wireframe : Wireframe
+    samples : int
+        How many there are about, spread evenly over all edges.
     """
 
-    def __init__(self, wireframe: Wireframe) -> None:
+    def __init__(self, wireframe: Wireframe, samples: int = MOST_SAMPLES) -> None:
         self.wireframe = wireframe
         self.radius_m = wireframe.radius_m
         ends = wireframe.points_in_target[wireframe.edges]
@@ -81,7 +81,7 @@ class ModelEdges:
         self._ends = np.concatenate([ends, mesh_ends])
         self._wires = len(ends)
         lengths = np.linalg.norm(self._ends[:, 1] - self._ends[:, 0], axis=1)
-        spacing = max(self.radius_m / SAMPLES_ON_A_RADIUS, lengths.sum() / MOST_SAMPLES)
+        spacing = lengths.sum() / samples
         counts = np.maximum(np.rint(lengths / spacing).astype(int), 1)
         self.edge: Indices = np.repeat(np.arange(len(counts)), counts)
         first = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -116,12 +116,10 @@ class ModelEdges:
         candidates, points, in_cam = candidates[front], points[front], in_cam[front]
         pixels = camera.project(in_cam)
         inside = camera.contains(pixels, 2.0)
-        seen = inside & ~self._hidden(cam_from_target, in_cam)
+        seen = inside & visible_points(self.wireframe, points, cam_from_target)
         candidates, points, pixels = candidates[seen], points[seen], pixels[seen]
         step = 1e-3 * self.radius_m
-        ahead = camera.project(
-            cam_from_target @ (points + step * self.directions[candidates])
-        )
+        ahead = camera.project(cam_from_target @ (points + step * self.directions[candidates]))
         tangent = ahead - pixels
         length = np.linalg.norm(tangent, axis=1)
         # An edge seen nearly end on has no direction in the image.
@@ -147,12 +145,6 @@ class ModelEdges:
             cv2.fillConvexPoly(mask, triangle, 1, shift=4)
         return mask.astype(bool)
 
-    def visible(self, camera: Camera, cam_from_target: RigidTransform, points: Floats) -> Mask:
-        """Tell which points of the target, (n, 3), no face hides and the image holds."""
-        in_cam = cam_from_target @ points
-        inside = camera.contains(np.nan_to_num(camera.project(in_cam), nan=-1e6), 2.0)
-        return np.asarray(inside & ~self._hidden(cam_from_target, in_cam))
-
     def _facing(self, eye: Floats) -> Indices:
         """Return the samples of the wireframe's edges, and of outlines as seen from ``eye``."""
         normals, offsets = self._face_planes
@@ -161,24 +153,6 @@ class ModelEdges:
         first, second = self._sides[:, 0], self._sides[:, 1]
         is_outline[self._wires :] = (second < 0) | (faces_eye[first] != faces_eye[second])
         return np.flatnonzero(is_outline[self.edge])
-
-    def _hidden(self, cam_from_target: RigidTransform, in_cam: Floats) -> Mask:
-        """Tell which points (n, 3) in the camera's axes lie behind a face."""
-        corners = cam_from_target @ self.wireframe.triangles_in_target.reshape(-1, 3)
-        a, b, c = np.moveaxis(corners.reshape(-1, 3, 3), 1, 0)
-        # A ray d meets the triangle where d.(b x c), d.(c x a) and d.(a x b) have one sign, at
-        # depth a.(b x c) over their sum.
-        sides = np.concatenate([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-        volume = np.einsum("fi,fi->f", a, np.cross(b, c))
-        depth = np.maximum(in_cam[:, 2:], 1e-6)
-        signed = (in_cam / depth) @ sides.T
-        count = len(volume)
-        one, two, three = signed[:, :count], signed[:, count : 2 * count], signed[:, 2 * count :]
-        total = one + two + three
-        flip = np.where(volume < 0.0, -1.0, 1.0)
-        within = (one * flip >= 0.0) & (two * flip >= 0.0) & (three * flip >= 0.0)
-        nearer = np.abs(volume) < np.abs(total) * (depth - HIDING_SHARE * self.radius_m)
-        return np.asarray((within & nearer & (np.abs(volume) > 1e-9)).any(axis=1))
 
 
 def _mesh_edges(triangles: Floats) -> tuple[Floats, Indices]:
