@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -161,13 +162,9 @@ class KeplerOrbit:
     def true_anomaly(self, time_s: float) -> float:
         """Return the true anomaly, rad, within half a turn of zero."""
         e = self.eccentricity
-        squeeze = math.sqrt(1.0 - e * e)
-        s, c = math.sin(self.true_anomaly_rad), math.cos(self.true_anomaly_rad)
-        at_epoch = math.atan2(squeeze * s, e + c)
-        mean = at_epoch - e * math.sin(at_epoch)
-        mean += self.mean_motion_rad_s * (time_s - self.epoch_s)
+        mean = self._mean_anomaly_rad + self.mean_motion_rad_s * (time_s - self.epoch_s)
         now = eccentric_anomaly(mean, e)
-        return math.atan2(squeeze * math.sin(now), math.cos(now) - e)
+        return math.atan2(math.sqrt(1.0 - e * e) * math.sin(now), math.cos(now) - e)
 
     def radius_m(self, time_s: float) -> float:
         """Return the distance from Earth's centre, m."""
@@ -195,6 +192,13 @@ class KeplerOrbit:
         e = self.eccentricity
         velocity = speed * np.array([e * math.sin(anomaly), 1.0 + e * math.cos(anomaly), 0.0])
         return ChaserState(time_s, axes[:, 0] * self._radius_m(anomaly), axes @ velocity)
+
+    @cached_property
+    def _mean_anomaly_rad(self) -> float:
+        e = self.eccentricity
+        s, c = math.sin(self.true_anomaly_rad), math.cos(self.true_anomaly_rad)
+        eccentric = math.atan2(math.sqrt(1.0 - e * e) * s, e + c)
+        return eccentric - e * math.sin(eccentric)
 
     def _radius_m(self, anomaly: float) -> float:
         return self.semi_latus_rectum_m / (1.0 + self.eccentricity * math.cos(anomaly))

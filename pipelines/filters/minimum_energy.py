@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import expm
-from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from pipelines.filters.kalman import normalised_square
@@ -39,16 +38,18 @@ def reference_vectors(noise_in_target: Floats, R_lvlh_from_target: Floats) -> tu
 
 def residual(seen: Floats, expected: Floats, weights: Floats) -> Floats:
     """Return ``r^R = -sum u_i (rhat_i x r_i)``, (3,), of vectors in target axes, one per row."""
-    pairs = zip(seen, expected, weights, strict=True)
-    return -sum((u * (skew(rhat) @ r) for r, rhat, u in pairs), start=np.zeros(3))
+    products = expected.T @ (weights[:, None] * seen)
+    cross = products - products.T  # of which each a b' - b a' is [b x a]x
+    return np.array([cross[2, 1], cross[0, 2], cross[1, 0]])
 
 
 def second_order_term(seen: Floats, expected: Floats, weights: Floats) -> Floats:
-    """Return the (3, 3) block E11: with a minus sign, at no error ``sum u_i (I - r_i r_i')``."""
-    total = np.zeros((3, 3))
-    for r, rhat, u in zip(seen, expected, weights, strict=True):
-        total -= 0.5 * u * (skew(rhat) @ skew(r) + skew(r) @ skew(rhat))
-    return total
+    """Return the (3, 3) block ``E11 = -sum u_i ([rhat_i]x [r_i]x + [r_i]x [rhat_i]x) / 2``.
+
+    With this minus sign it is, at no error, the information ``sum u_i (I - r_i r_i')``.
+    """
+    products = expected.T @ (weights[:, None] * seen)
+    return np.asarray(np.trace(products) * np.eye(3) - 0.5 * (products + products.T))
 
 
 def update(state: RotationState, measured: Floats, noise: Floats) -> RotationUpdate | None:
@@ -103,8 +104,4 @@ def _step(state: RotationState, references: Floats, seen: Floats, weights: Float
     lower = moved[6:, :6] @ state.covariance + moved[6:, 6:]
     gain = np.linalg.solve(lower.T, upper.T).T
     gain = 0.5 * (gain + gain.T)
-    correction = gain[:, :3] @ push
-    turn = Rotation.from_rotvec(correction[:3]).as_matrix()
-    return RotationState(
-        state.R_lvlh_from_target @ turn, state.omega_in_target + correction[3:], gain
-    )
+    return state.turned(gain[:, :3] @ push, gain)

@@ -5,6 +5,7 @@ A turn's error is a small rotation in target axes: ``R_true = R exp([turn]x)``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +18,7 @@ from models.motion.kepler_orbit import KeplerOrbit
 from pipelines.filters.navigation_options import NavigationOptions
 
 LONGEST_TURN_RAD = 0.05  # of one Runge-Kutta step: its error is below 1e-9 rad then
+_IDENTITY = np.eye(3)
 
 
 def skew(vector: Floats) -> Floats:
@@ -25,9 +27,27 @@ def skew(vector: Floats) -> Floats:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
+def turn_matrix(vector: Floats) -> Floats:
+    """Return ``exp([v]x)``, (3, 3), of a rotation vector in rad: Rodrigues' formula."""
+    angle = math.sqrt(float(vector @ vector))
+    cross = skew(vector)
+    half = 0.5 * angle
+    ratio = math.sin(half) / half if half else 1.0
+    first = math.sin(angle) / angle if angle else 1.0
+    return _IDENTITY + first * cross + 0.5 * ratio * ratio * (cross @ cross)
+
+
 def turn_between(start: Floats, end: Floats) -> Floats:
     """Return the (3,) rotation vector, rad, with ``end = start exp([turn]x)``."""
-    return Rotation.from_matrix(start.T @ end).as_rotvec()
+    turn = start.T @ end
+    sines = 0.5 * np.array(
+        [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+    )
+    sine = math.sqrt(float(sines @ sines))
+    cosine = 0.5 * (float(np.trace(turn)) - 1.0)
+    if cosine < -0.9:  # near half a turn the sines say little of the axis
+        return Rotation.from_matrix(turn).as_rotvec()
+    return sines * (math.atan2(sine, cosine) / sine) if sine else sines
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +69,7 @@ class RotationState:
 
     def turned(self, correction: Floats, covariance: Floats) -> RotationState:
         """Return the state after a (6,) correction of (turn, omega)."""
-        turn = Rotation.from_rotvec(correction[:3]).as_matrix()
+        turn = turn_matrix(correction[:3])
         return RotationState(
             self.R_lvlh_from_target @ turn, self.omega_in_target + correction[3:], covariance
         )
@@ -97,7 +117,7 @@ class FreeBody:
             middle = 0.5 * (omega + after) + h / 8.0 * (k1 - self.rate(after))
             mean = (omega + 4.0 * middle + after) / 6.0
             bend = h * h / 12.0 * (skew(omega) @ after)
-            turn = turn @ Rotation.from_rotvec(h * mean + bend).as_matrix()
+            turn = turn @ turn_matrix(h * mean + bend)
             omega = after
         return turn, omega
 
@@ -150,7 +170,7 @@ class RotationProcess:
         spin = orbit.anomaly_rate(to_s)
         if self._options.rate_model == "inertial":
             advance = orbit.true_anomaly(to_s) - orbit.true_anomaly(from_s)
-            attitude = Rotation.from_rotvec([0.0, 0.0, -advance]).as_matrix() @ attitude
+            attitude = turn_matrix(np.array([0.0, 0.0, -advance])) @ attitude
         transition, noise = self._linear(0.5 * (state.omega_in_target + omega), spin, step_s)
         covariance = transition @ state.covariance @ transition.T + noise
         return RotationState(attitude, omega, 0.5 * (covariance + covariance.T))
@@ -196,7 +216,7 @@ class RotationProcess:
     def _carry(self, omega: Floats, step_s: float) -> tuple[Floats, Floats]:
         """Return the turn over a step, and the rate after it."""
         if self._body is None:
-            return Rotation.from_rotvec(omega * step_s).as_matrix(), omega
+            return turn_matrix(omega * step_s), omega
         return self._body.carry(omega, step_s)
 
     def _linear(self, omega: Floats, spin: float, step_s: float) -> tuple[Floats, Floats]:
