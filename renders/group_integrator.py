@@ -1,10 +1,9 @@
 """One path-traced pass that keeps every light in its own channel (JIT variants).
 
 Primary hits and bounces are shared: at each vertex every light is sampled on its own, its
-contribution goes to its own sum, and one BSDF sample carries the path on for all of them. Lanes
-are pixels and samples are a loop inside the kernel, so nothing is added atomically: equal seeds
-give equal bits. The random numbers of a pixel depend on the seed and the pixel alone, not on the
-lights or on the window that is rendered.
+contribution goes to its own sum, and one BSDF sample carries the path on for all of them. The
+random numbers of a pixel depend on the seed and the pixel alone, not on the lights or on the window
+that is rendered; how its samples are added up does not either: equal seeds give equal bits.
 
 No path is ended by chance (Russian roulette): sixteen lanes walk the scene together, so that a dead
 lane saves little, and what it loses shows as noise. Measured, not assumed; see docs/decisions.md.
@@ -29,7 +28,9 @@ from renders.sample_sequence import points_2d
 
 PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED and lobe, lobe
 START_PER_M = 2e-6  # a hit's place is exact to some 2e-7 of its largest coordinate
-LANE_SAMPLES = 16  # a pixel with more samples is shared by several lanes: no core idles
+MOST_LANES = 64  # of a pixel; if it has more samples, each lane walks several
+ADDED_LANES = 8  # in the kernel: one packet's or two's, whose sum does not depend on their order
+CUDA_SAMPLES = 16  # a lane there walks at least as many: the sums of all lie in memory
 
 
 def power_share(one: Any, other: Any) -> Any:
@@ -123,7 +124,7 @@ def _trace(
             active &= dr.any(throughput > 0.0)
             ray = leaving(si, si.to_world(bsdf_sample.wo))
         index += 1
-    return [total / mi.Float(last - first) for total in sums]
+    return sums
 
 
 def pixel_keys(seed: int, pixels: Any) -> Any:
@@ -131,12 +132,38 @@ def pixel_keys(seed: int, pixels: Any) -> Any:
     return mi.sample_tea_32(pixels, dr.opaque(mi.UInt32, seed))[0]
 
 
-def lanes_per_pixel(samples: int) -> int:
-    """Return into how many lanes, a power of two, the samples of a pixel are shared evenly."""
+def lanes_per_pixel(samples: int, least: int = 1) -> int:
+    """Return into how many lanes, a power of two, the samples of a pixel are shared evenly.
+
+    Parameters
+    ----------
+    samples : int
+    least : int
+        Samples that a lane should walk if a pixel has several.
+    """
     shares = 1
-    while samples % (2 * shares) == 0 and samples // (2 * shares) >= LANE_SAMPLES:
+    while samples % (2 * shares) == 0 and samples // (2 * shares) >= least and shares < MOST_LANES:
         shares *= 2
     return shares
+
+
+def pixel_means(sums: Sequence[Any], lanes: Any, shares: int, samples: int) -> list[Radiance]:
+    """Add up what the lanes of each pixel found, in an order that its company does not change.
+
+    On a processor a few lanes are added up in the kernel, so that little of what is a lane's own
+    goes to memory. On CUDA they would race: there all of it does.
+    """
+    together = min(shares, ADDED_LANES)
+    if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
+        totals = [dr.block_sum(each, together, mode="evaluated") for each in sums]
+    else:
+        totals = [dr.zeros(mi.Float, dr.width(lanes) // together) for _ in sums]
+        place = lanes // dr.opaque(mi.UInt32, together)
+        for total, each in zip(totals, sums, strict=True):
+            dr.scatter_add(total, each, place, mode=dr.ReduceMode.Local)
+    dr.eval(totals)
+    scale = np.float32(1.0 / samples)
+    return [np.array(t).reshape(-1, shares // together).sum(axis=1) * scale for t in totals]
 
 
 def trace_groups(
@@ -185,26 +212,28 @@ def trace_groups(
     lights = [light_of(group, cam_from_target) for group in groups]
     # A wide light is also met by the ray that leaves a path's last surface.
     segments = max_depth + 1 if any(light.wide for light in lights) else max_depth
-    shares = lanes_per_pixel(samples)
-    each = samples // shares
-    pixel_of_lane = np.repeat(np.asarray(pixels, dtype=np.uint32), shares)
-    share_of_lane = np.tile(np.arange(shares, dtype=np.uint32), len(pixels))
-    lanes = mi.UInt32(pixel_of_lane)
-    first = mi.UInt32(share_of_lane * each)
+    on_cuda = dr.backend_v(mi.Float) == dr.JitBackend.CUDA
+    shares = lanes_per_pixel(samples, CUDA_SAMPLES if on_cuda else 1)
+    # The samples of a pixel lie side by side: lanes that are walked together see one place.
+    lanes = dr.arange(mi.UInt32, len(pixels) * shares)
+    pixel = dr.gather(
+        mi.UInt32,
+        mi.UInt32(np.asarray(pixels, dtype=np.uint32)),
+        lanes // dr.opaque(mi.UInt32, shares),
+    )
+    each = dr.opaque(mi.UInt32, samples // shares)
+    first = lanes % dr.opaque(mi.UInt32, shares) * each
     sums = _trace(
         scene,
         ray_of,
         lights,
-        lanes,
+        pixel,
         first,
-        first + dr.opaque(mi.UInt32, each),
+        first + each,
         mi.UInt32(camera.width),
         dr.opaque(mi.UInt32, max_depth),
         dr.opaque(mi.UInt32, segments),
-        pixel_keys(seed, lanes),
+        pixel_keys(seed, pixel),
     )
-    dr.eval(sums)
-    return {
-        group.name: np.array(total).reshape(len(pixels), shares).mean(axis=1, dtype=np.float32)
-        for group, total in zip(groups, sums, strict=True)
-    }
+    means = pixel_means(sums, lanes, shares, samples)
+    return {group.name: mean for group, mean in zip(groups, means, strict=True)}

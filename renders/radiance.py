@@ -1,8 +1,9 @@
 """Radiance of light groups over a whole image, with more samples where markers are.
 
 The whole image is traced with a few samples per pixel, then the windows around the markers anew
-with many, because there Monte-Carlo noise must stay well below the detector's own. One seed serves
-both exposures of a pair, so that their noise cancels in the difference instead of making blobs.
+with many, and the lamps' light on their outlines with more yet, because there Monte-Carlo noise
+must stay well below the detector's own. One seed serves both exposures of a pair, so that their
+noise cancels in the difference instead of making blobs.
 """
 
 from __future__ import annotations
@@ -159,13 +160,18 @@ def render_radiance(
         images[name][tiled] = traced.pop(name)  # one at a time: a hundred Suns fill a memory
     if markers is not None and windows:
         near, edge = marker_pixels(markers, camera, cam_from_target, windows)
-        for pixels, samples in ((near, NEAR_SAMPLES), (edge, sampling.marker_samples)):
-            if len(pixels) == 0:  # no disc shows its face
+        lamps = [group for group in groups if isinstance(group, LampGroup)]
+        near_samples = min(NEAR_SAMPLES, sampling.marker_samples)
+        # A Sun's light changes little across an outline; lamps' is returned on one side alone.
+        for pixels, samples, lit in (
+            (near, near_samples, groups),
+            (edge, sampling.marker_samples, lamps),
+        ):
+            if len(pixels) == 0 or not lit:  # no disc shows its face, or no lamp shines
                 continue
-            samples = min(samples, sampling.marker_samples)
-            fine = _traced(scene, camera, cam_from_target, groups, pixels, samples, sampling)
-            for name, image in images.items():
-                image[pixels] = fine[name]
+            fine = _traced(scene, camera, cam_from_target, lit, pixels, samples, sampling)
+            for name, light in fine.items():
+                images[name][pixels] = light
     return {name: image.reshape(camera.height, camera.width) for name, image in images.items()}
 
 

@@ -67,13 +67,16 @@ def window_charge(
 
     camera, render = world.camera, world.scenario.render
     groups: list[LightGroup] = [world.sun, world.lamps(850)]
-    images = {group: np.zeros(camera.width * camera.height, np.float32) for group in groups}
+    images = {group.name: np.zeros(camera.width * camera.height, np.float32) for group in groups}
     near, edge = marker_pixels(markers, camera, pose, marker_windows(markers, camera, pose))
-    for pixels, samples in ((near, NEAR_SAMPLES), (edge, render.marker_samples)):
-        traced = trace_groups(scene, camera, pose, groups, pixels, samples, render.max_depth, seed)
-        for group in groups:
-            images[group][pixels] = traced[group.name]
-    light = {group: image.reshape(camera.height, -1) for group, image in images.items()}
+    for pixels, samples, lit in (
+        (near, NEAR_SAMPLES, groups),
+        (edge, render.marker_samples, groups[1:]),
+    ):
+        traced = trace_groups(scene, camera, pose, lit, pixels, samples, render.max_depth, seed)
+        for name, light in traced.items():
+            images[name][pixels] = light
+    light = {group: images[group.name].reshape(camera.height, -1) for group in groups}
     optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
     exposure_ms = world.exposure_ms(time_s, world.knowledge(0).prior)
     rate = electron_rate(light, optics, detector)

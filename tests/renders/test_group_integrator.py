@@ -20,7 +20,7 @@ from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.group_integrator import LANE_SAMPLES, lanes_per_pixel, trace_groups
+from renders.group_integrator import MOST_LANES, lanes_per_pixel, trace_groups
 from renders.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
 from tests.support.small_scenes import LAMBERT, camera_at, discs, needs_jit, plate, rendered
 
@@ -79,7 +79,7 @@ def test_a_group_does_not_depend_on_its_company() -> None:
         np.testing.assert_array_equal(alone, together[group.name])
 
 
-@pytest.mark.parametrize("samples", [16, 64])
+@pytest.mark.parametrize("samples", [4, 9, 16, 64, 256])
 def test_a_pixel_does_not_depend_on_the_others_that_are_traced(samples: int) -> None:
     whole = traced([sun("S2"), LAMPS], samples=samples)
     some = np.random.default_rng(1).permutation(EVERYWHERE)[:60]
@@ -149,17 +149,17 @@ def test_a_light_below_the_floor_gives_nothing() -> None:
 # Samples
 
 
-@given(st.integers(1, 80).map(lambda side: side * side))
-def test_samples_are_shared_evenly_among_lanes(samples: int) -> None:
-    shares = lanes_per_pixel(samples)
+@given(st.integers(1, 80).map(lambda side: side * side), st.sampled_from([1, 16]))
+def test_samples_are_shared_evenly_among_lanes(samples: int, least: int) -> None:
+    shares = lanes_per_pixel(samples, least)
     assert samples % shares == 0
     assert shares & (shares - 1) == 0  # a power of two
-    assert shares == 1 or samples // shares >= LANE_SAMPLES
-    further = 2 * shares
-    assert samples % further or samples // further < LANE_SAMPLES  # none idles for want of a share
+    assert shares == 1 or samples // shares >= least
+    more = 2 * shares
+    assert samples % more or samples // more < least or more > MOST_LANES  # none idles for nothing
 
 
-@pytest.mark.parametrize(("samples", "shares"), [(9, 1), (16, 1), (64, 4), (256, 16), (4096, 256)])
+@pytest.mark.parametrize(("samples", "shares"), [(9, 1), (16, 16), (36, 4), (256, 64), (4096, 64)])
 def test_lanes_of_the_samples_in_use(samples: int, shares: int) -> None:
     assert lanes_per_pixel(samples) == shares
 

@@ -180,6 +180,13 @@ def test_the_sun_keeps_its_few_samples_only_without_a_jit() -> None:
     assert (plain["sun"] != fine["sun"])[in_windows()].any()
 
 
+def test_suns_do_not_pay_for_the_samples_of_outlines() -> None:
+    needs_jit()
+    few, many = (images(MARKERS, 4, samples, seed=3) for samples in (256, 1024))
+    np.testing.assert_array_equal(few["sun"], many["sun"])
+    assert (few["lamps"] != many["lamps"]).any()
+
+
 def test_the_same_seed_gives_both_exposures_of_a_pair_the_same_noise() -> None:
     """Sunlight 33 ms later is nearly the same light: with one seed its noise nearly cancels."""
     needs_jit()
