@@ -11,6 +11,7 @@ from bench.suites.catalogue import TITLES
 from models.camera import CAMERAS, Camera
 from models.lights.sun import SUN_CASES_DEG, direction_from_azimuth
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
+from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
 from renders.scenario import case_names, case_path, read_scenario
 
 
@@ -43,14 +44,21 @@ def cameras() -> list[tuple[str, str]]:
 
 
 def targets() -> list[tuple[str, str]]:
-    """Return the targets that carry markers."""
-    crafts = ((name, spacecraft_by_name(name)) for name in SPACECRAFT)
-    return [
-        (name, f"{len(craft.markers)} markers of radius {1e3 * craft.markers.radius_m:.1f} mm, "
-               f"{len(craft.part_names)} named parts")
-        for name, craft in crafts
-        if craft.markers is not None
-    ]  # fmt: skip
+    """Return the targets: those that carry markers, and those known by their wireframe."""
+    rows = []
+    for name in SPACECRAFT:
+        craft = spacecraft_by_name(name)
+        parts = f"{len(craft.part_names)} named parts"
+        if craft.markers is not None:
+            radius_mm = 1e3 * craft.markers.radius_m
+            rows.append(
+                (name, f"{len(craft.markers)} markers of radius {radius_mm:.1f} mm, {parts}")
+            )
+        elif name in WIREFRAMES:
+            wireframe = wireframe_by_name(name)
+            shape = f"{len(wireframe)} landmarks, {len(wireframe.edges)} edges"
+            rows.append((name, f"no markers; a wireframe of {shape}, {parts}"))
+    return rows
 
 
 def suns() -> list[tuple[str, str]]:

@@ -209,7 +209,17 @@ def write_frame(folder: Path, index: int, out: Path, variant: str = PREFERRED) -
     StorageError
         If the file cannot be written.
     """
-    picture = show_frame(folder, index, variant)
+    write_picture(show_frame(folder, index, variant), out)
+
+
+def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
+    """Write an RGB picture as a PNG file.
+
+    Raises
+    ------
+    StorageError
+        If the file cannot be written.
+    """
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:
         raise ValueError(f"expected OpenCV to encode a picture of {picture.shape}, it refused")
