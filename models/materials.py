@@ -140,13 +140,13 @@ MATERIALS: dict[str, Material] = {
         ),
         _material(
             "mli_black",
-            (0.045, 0.045, 0.045),
+            (0.045, 0.044, 0.046),
             (0.030, 0.030, 0.030),
             0.15,
-            "Carbon-filled black Kapton, film outward: solar absorptance 0.92 to 0.93 (Gilmore "
-            "2002, Spacecraft Thermal Control Handbook, chapter 5 and appendix A), grey into the "
-            "near infrared; the film's face reflects 0.04 to 0.06 less what its filler roughens. "
-            "Split and roughness are our estimate",
+            "Black, carbon-loaded Kapton, film outward: solar absorptance near 0.93 (Gilmore "
+            "2002, Spacecraft Thermal Control Handbook, chapter 4); a bare film of n = 1.7 would "
+            "reflect 0.067, of which its filler roughens half. "
+            "Split, slope and roughness are our estimate",
             is_dielectric=True,
         ),
         _material(

@@ -73,9 +73,9 @@ def _foil(bare: tuple[str, ...]) -> trimesh.Trimesh:
 
 
 def _sides() -> trimesh.Trimesh:
-    """Return the painted panels of the +-y faces, out to the body's edges."""
+    """Return the painted panels of the +-y faces, a millimetre short of the foil on the others."""
     (x, y, top), bottom = at.BODY_HIGH, at.BODY_LOW[2]
-    size = (2.0 * x, BLANKET_M, top - bottom)
+    size = (2.0 * x - 0.002, BLANKET_M, top - bottom - 0.002)
     return joined(
         box(size, (0.0, s * (y - 0.5 * BLANKET_M), 0.5 * (top + bottom))) for s in (-1.0, 1.0)
     )

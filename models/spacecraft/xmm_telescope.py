@@ -22,7 +22,7 @@ SEGMENTS = 96
 RELIEF_M, FACET_M = 0.010, 0.055  # on boxes, whose edges are seen against the sky
 TUBE_RELIEF_M = 0.024
 SEAM_PITCH_M = 0.84  # between the rings that hold the tube's blankets
-RADIATOR_M = 0.02  # by which the flat radiators stand proud
+RADIATOR_M = 0.035  # by which the flat radiators stand proud
 
 
 def along_x(y: float = 0.0, z: float = 0.0) -> RigidTransform:
@@ -132,12 +132,11 @@ def _horn_rims() -> trimesh.Trimesh:
 def _radiators() -> trimesh.Trimesh:
     """Return the pn camera's panel on the end and the gratings' cameras' on the shadow side."""
     x0, x1 = at.FOCAL_X
-    z = at.FOCAL_Z[0]
+    z = at.FOCAL_Z[0] - 0.5 * RADIATOR_M
     middle = 0.5 * (x0 + x1)
     return joined(
         [
-            box((RADIATOR_M, 0.86, 0.55), (x0 - 0.5 * RADIATOR_M - 0.015, 0.0, 0.45)),
-            box((0.70, 0.72, RADIATOR_M), (middle, -0.52, z - 0.5 * RADIATOR_M - 0.015)),
-            box((0.70, 0.72, RADIATOR_M), (middle, 0.52, z - 0.5 * RADIATOR_M - 0.015)),
+            box((RADIATOR_M, 0.86, 0.55), (x0 - 0.5 * RADIATOR_M, 0.0, 0.45)),
+            *(box((0.70, 0.72, RADIATOR_M), (middle, y, z)) for y in (-0.52, 0.52)),
         ]
     )

@@ -12,5 +12,5 @@ def test_finds_a_spacecraft_by_its_name(name: str) -> None:
 
 
 def test_an_unknown_name_is_answered_with_those_there_are() -> None:
-    with pytest.raises(ScenarioError, match=r"chaser, maxar1300, got 'hubble'"):
+    with pytest.raises(ScenarioError, match=r"chaser, hispasat, maxar1300, xmm, got 'hubble'"):
         spacecraft_by_name("hubble")
