@@ -28,7 +28,7 @@ from renders.sample_sequence import points_2d
 
 PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED and lobe, lobe
 START_PER_M = 2e-6  # a hit's place is exact to some 2e-7 of its largest coordinate
-MOST_LANES = 64  # of a pixel; if it has more samples, each lane walks several
+MOST_LANES = 16  # of a pixel, as many as a wide packet; more samples are walked in turns
 ADDED_LANES = 8  # in the kernel: one packet's or two's, whose sum does not depend on their order
 CUDA_SAMPLES = 16  # a lane there walks at least as many: the sums of all lie in memory
 

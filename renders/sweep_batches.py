@@ -30,7 +30,7 @@ from renders.world import BANDS, Exposure, World
 
 MOST_SUNS = 48  # in one pass: beyond it, what Suns share of a pass is too little to be worth memory
 BYTES_PER_SAMPLE_SUM = 4
-COPIES = 6  # of each group's sums: in and out of the kernel, on its way to NumPy, to half floats
+COPIES = 6  # of each group's sums: two of lanes, in NumPy again, the image, its half floats
 LEAST_GB, SCENE_GB = 1.0, 0.5  # the scene and the libraries take the second before any Sun does
 GIBI = 2**30
 LEAST_KEPT = 2.0  # pairs of exposures in half of a store's budget: the lamps' and one Sun's
