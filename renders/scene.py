@@ -8,12 +8,11 @@ integrator samples light groups itself, and the scalar one adds emitters of its 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-import trimesh
 
 from models.arrays import Floats
 from models.frame import MarkerPattern
@@ -23,6 +22,9 @@ from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.retroreflector import retroreflector_dict
 from renders.surfaces import bsdf_dict
+
+if TYPE_CHECKING:
+    import trimesh
 
 MARKER_LABEL = "retroreflectors"
 CHASER_LABEL = "chaser"
@@ -112,6 +114,8 @@ def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh
     every ray: 40 % of the time of a scene under many Suns. The polygon's rim is within 6e-5 of the
     circle's radius.
     """
+    import trimesh
+
     angles = 2.0 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS
     corner = 1.0 / np.sqrt(np.sinc(2.0 / DISC_CORNERS))
     rim = corner * np.stack([np.cos(angles), np.sin(angles), np.zeros(DISC_CORNERS)], axis=1)
@@ -124,6 +128,8 @@ def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh
 
 def _merged(parts: tuple[Part, ...]) -> dict[tuple[str, str, bool], trimesh.Trimesh]:
     """Join the meshes of parts that share name, material and shading."""
+    import trimesh
+
     groups: dict[tuple[str, str, bool], list[trimesh.Trimesh]] = {}
     for part in parts:
         groups.setdefault((part.name, part.material, part.smooth), []).append(part.mesh)
