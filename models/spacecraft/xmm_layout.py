@@ -1,21 +1,23 @@
 """Where things lie on XMM-Newton: the dimensions that its mesh and its wireframe both come from.
 
 Body frame of Pesce et al. 2019, Fig. 3a: origin at the centre of mass, x along the telescope
-towards the sky, wings along +-y, z towards the Sun. Published: 10.8 m of length and 16.16 m of
-span; telescopes of 7.5 m focal length; a service module that is a closed box of two platforms and
-four side panels round a central hole of 2.10 m ("The Service Module", XMM-Newton pages of ESA; van
-Casteren 1996, Proc. SPIE 2808); halves of about 5 m joined by 64 bolts along a ring some 6 m round,
-so 1.9 m wide ("XMM now standing 10 metres tall", ESA 1999); a tube 6.8 m long; three panels a wing
-of 1.94 by 1.81 m, 21 square metres in all (Barre, Nye and Janin 1999, ESA Bulletin 100, 15; van
-Katwijk, van der Laan and Stramaccioni 1999, ibid., 44). The rest is ours: no public drawing gives
-it, and it only has to fit the launcher and the pictures.
+towards the sky, wings along +-y, z towards the Sun. Read in their sources: about 10 m of length and
+16 m of span; mirrors and cameras 7.5 m apart (van Katwijk, van der Laan and Stramaccioni 1999, ESA
+Bulletin 100, 44); a service module that is a closed box of two platforms and four side panels round
+a hole of 2.10 m ("The Service Module", XMM-Newton pages of ESA); halves joined by 64 bolts along a
+ring some 6 m round, so 1.9 m wide ("XMM now standing 10 metres tall", ESA 1999); dark foil on tube
+and module, bright on the sunshield, thruster pairs on dark boxes, an S-band antenna on a tripod
+("Space selfie from XMM-Newton", ESA 2016). As commonly quoted after Barre, Nye and Janin 1999 (ESA
+Bulletin 100, 15), and not checked against a copy: 10.8 m, 16.16 m, a tube of 6.8 m, panels of 1.94
+by 1.81 m, three a wing. The rest is ours: no public drawing gives it, and it only has to fit the
+launcher and the pictures.
 """
 
 from __future__ import annotations
 
 from models.spacecraft.panel_wing import PanelWing
 
-# Along x, m. The centre of mass lies 1 m behind the service module: see ``xmm_mass``.
+# Along x, m. The centre of mass lies 1 m behind the service module: see ``mass_model``.
 SUNSHIELD_TOP_X = 3.10
 BAFFLE_X = 2.72  # mouths of the mirror baffles
 SERVICE_X = (1.00, 1.95)

@@ -4,8 +4,8 @@ A closed box of two platforms and four side panels in black foil, with the launc
 three mirror baffles and the optical monitor's on the side of the sky; the doors, opened for good,
 lie against their baffles. The telescope sunshield stands round the Sun's side of all that, bright
 outside and black within. Boxes with pairs of thrusters on top and a tripod with an S-band antenna
-are what the craft's own cameras show from the tube's other end ("XMM-Newton self-portrait with
-planet Earth", ESA 2016).
+are what the craft's own cameras show from the tube's other end ("Space selfie from XMM-Newton",
+ESA 2016).
 """
 
 from __future__ import annotations
