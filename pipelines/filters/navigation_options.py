@@ -38,8 +38,8 @@ class NavigationOptions:
         H-infinity's theta as a share of its limit, the least information of one position. At 0
         the filter is Kalman's; towards 1 it trusts its past less and less.
     acceleration_m_s2 : float, m/s2
-        1 sigma of what moves one satellite and not the other, white from frame to frame, beside
-        the noise of the chaser's own orbit.
+        1 sigma of what moves one satellite and not the other, beside the noise of the chaser's own
+        orbit. 1e-8 suits high orbits; in low ones drag and Earth's flattening leave 1e-7.
     rate_model : str
         What stays the same between frames in target axes: ``relative``, the rate with respect to
         the local frame, as printed (equation 10); ``inertial``, the inertial one, so that the

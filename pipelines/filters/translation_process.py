@@ -32,14 +32,17 @@ def transition_and_noise(
     sigma_m, sigma_m_s : float
         1 sigma per axis of the state that gave ``orbit``.
     acceleration_m_s2 : float, m/s2
-        1 sigma of an acceleration that the model leaves out, constant between the frames.
+        1 sigma of an acceleration that the model leaves out. It stays the same for about a radian
+        of the orbit: white noise of that correlation time has the spectral density of its square
+        times twice the time. The orbit's noise is drawn anew for every frame.
     """
-    unknown = float(
-        np.hypot(acceleration_m_s2, tidal_sigma(orbit, state, to_s, sigma_m, sigma_m_s))
-    )
     step_s = to_s - from_s
-    lever = np.vstack([0.5 * step_s**2 * np.eye(3), step_s * np.eye(3)])
-    return state_transition(orbit, from_s, to_s), unknown**2 * lever @ lever.T
+    kick = tidal_sigma(orbit, state, to_s, sigma_m, sigma_m_s)
+    lever = np.array([0.5 * step_s**2, step_s])
+    density = 2.0 * acceleration_m_s2**2 / orbit.anomaly_rate(to_s)
+    drift = np.array([[step_s**3 / 3.0, 0.5 * step_s**2], [0.5 * step_s**2, step_s]])
+    noise = np.kron(kick**2 * np.outer(lever, lever) + density * drift, np.eye(3))
+    return state_transition(orbit, from_s, to_s), np.asarray(noise, dtype=np.float64)
 
 
 def tidal_sigma(

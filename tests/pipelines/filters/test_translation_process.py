@@ -31,12 +31,26 @@ def test_the_noise_is_that_of_a_corrupted_anomaly(name: str) -> None:
     assert sigma < 10.0 * drawn
 
 
-def test_it_is_an_acceleration_over_the_step() -> None:
-    flow, noise = transition_and_noise(
-        ORBITS["LEO"], STATE, 5.0, 7.0, sigma_m=0.0, sigma_m_s=0.0, acceleration_m_s2=1e-4
+def test_what_the_model_leaves_out_is_a_slow_push() -> None:
+    """Against pushes drawn, each held for two radians of the orbit: the drift after ten."""
+    orbit, sigma = ORBITS["LEO"], 1e-7
+    radian_s = 1.0 / orbit.anomaly_rate(0.0)
+    _, noise = transition_and_noise(
+        orbit, STATE, 0.0, 10.0 * radian_s, sigma_m=0.0, sigma_m_s=0.0, acceleration_m_s2=sigma
     )
-    np.testing.assert_array_equal(flow, state_transition(ORBITS["LEO"], 5.0, 7.0))
-    lever = np.array([2e-4, 2e-4])  # a t^2 / 2 and a t over two seconds
-    for axis in range(3):
-        block = noise[np.ix_([axis, axis + 3], [axis, axis + 3])]
-        np.testing.assert_allclose(block, np.outer(lever, lever), rtol=1e-12)
+    pushes = sigma * np.random.default_rng(2).standard_normal((20_000, 5))
+    speed = 2.0 * radian_s * pushes.cumsum(axis=1)  # without the tides, as the noise has it
+    place = 2.0 * radian_s * (speed - radian_s * pushes).sum(axis=1)
+    drawn = np.array([place.std(), speed[:, -1].std()])
+    expected = np.sqrt([noise[1, 1], noise[4, 4]])
+    np.testing.assert_allclose(drawn, expected, rtol=0.03)  # pushes held are not quite white
+    share = noise[1, 4] / (expected[0] * expected[1])
+    assert np.corrcoef(place, speed[:, -1])[0, 1] == pytest.approx(share, abs=0.03)
+
+
+def test_the_transition_is_yamanakas_and_ankersens() -> None:
+    flow, noise = transition_and_noise(
+        ORBITS["HEO"], STATE, 5.0, 7.0, sigma_m=0.0, sigma_m_s=0.0, acceleration_m_s2=0.0
+    )
+    np.testing.assert_array_equal(flow, state_transition(ORBITS["HEO"], 5.0, 7.0))
+    np.testing.assert_array_equal(noise, np.zeros((6, 6)))
