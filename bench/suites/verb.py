@@ -29,7 +29,7 @@ class Suite:
     DIR/suite.json but the times in it. DIR/suite.html shows tables and figures, and what each
     number means.
 
-    pesce2019 (parts table5, table6, table7, table8, vinag) takes about three hours of one core at
+    pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes; what is left is told as it runs.
     """
 
