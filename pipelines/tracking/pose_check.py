@@ -1,4 +1,4 @@
-"""Whether a pose fits an image: are the edges where they should be, and no light where none can be?
+"""Whether a pose fits an image: edges where they should be, and no light where none can be.
 
 A right pose finds a step in brightness at nearly all of its visible edges that lie in any light,
 leaves no light outside the silhouette, and little of the silhouette without light. A wrong one
@@ -20,6 +20,7 @@ from pipelines.tracking.model_edges import ModelEdges
 NEAR_SHARE = 0.0025  # of the image's width: an edge this near to its step is supported
 LEAST_NEAR_PX = 1.5
 FEWEST_LIT = 20
+DARK_COUNTS = 0.3  # for little: faces that neither Sun nor Earth lights are dark at a right pose
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,7 @@ class PoseCheck:
     @property
     def score(self) -> float:
         """All in one number, 1 for a perfect fit."""
-        explained = (1.0 - self.outside) * (1.0 - 0.5 * self.dark)
-        return self.supported * explained**2
+        return self.supported * ((1.0 - self.outside) * (1.0 - DARK_COUNTS * self.dark)) ** 2
 
 
 NO_FIT = PoseCheck(0.0, 1.0, 1.0, 1.0)
