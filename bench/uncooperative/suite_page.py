@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import jinja2
 
 from bench.report.figures import svg_address
 from bench.report.numbers import count, number, share
+from bench.report.page import Card
 from bench.report.tables import Table
 from bench.uncooperative import suite_figures, suite_tables
 from bench.uncooperative.cases import case, published
@@ -23,16 +23,6 @@ TEMPLATE = "suite_page.html.jinja"
 STYLES = Path(__file__).parent.parent / "report"
 VINAG_DEG = 3.0  # VINAG 2018, section 5.2: below it throughout
 TARGETS = ("1", "5")  # the cases whose targets are listed: XMM and Hispasat
-
-
-@dataclass(frozen=True)
-class Card:
-    """One of the numbers at the top."""
-
-    value: str
-    unit: str
-    label: str
-    note: str
 
 
 def write_suite_page(
