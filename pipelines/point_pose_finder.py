@@ -22,7 +22,7 @@ from pipelines.tracking.point_fit import PointFit, covariance_of, fit_points
 from pipelines.tracking.softposit import first_beta, softposit
 from pipelines.uncooperative_options import UncooperativeOptions
 
-RAW_EXCESS_VARIANCE = 2.7  # of SoftPOSIT's own pose over the bound of its matches, measured
+RAW_EXCESS_VARIANCE = 2.25  # of SoftPOSIT's own pose over the bound of its matches, measured
 FURTHEST_GATE_PX = 60.0  # beyond it nearest matches mean nothing
 
 

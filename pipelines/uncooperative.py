@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from models.errors import DatasetError
 from models.estimate import Detections, Estimate, NoPose, PoseEstimate
 from models.pose import RigidTransform
 from models.relative_state import RelativeState
@@ -27,6 +26,7 @@ from models.uncooperative import (
     UncooperativeKnowledge,
 )
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
+from pipelines.image_pose_finder import ImagePoseFinder
 from pipelines.point_pose_finder import PointPoseFinder
 from pipelines.pose_finder import PoseFinder
 from pipelines.uncooperative_options import VARIANTS, UncooperativeOptions, options_for
@@ -47,7 +47,7 @@ class Uncooperative:
         Not later than the first frame; without it the target is acquired. How good it is, the
         filters' options say (``start_sigma_m`` and the like).
     images : PoseFinder of ImageFrame, optional
-        Needed where frames are images.
+        Finds poses in images; without it, ours.
     """
 
     def __init__(
@@ -166,10 +166,9 @@ class Uncooperative:
         if isinstance(frame, PointFrame):
             return self._points
         if self._images is None:
-            raise DatasetError(
-                f"frame {frame.index}: expected points, got an image, and no finder of poses in "
-                "images; give one"
-            )
+            # What an image shows is what the target does not hide.
+            seen = replace(self._options, hidden_landmarks=True)
+            self._images = ImagePoseFinder(self._knowledge, seen)
         return self._images
 
     @staticmethod

@@ -16,7 +16,8 @@ class HypothesizeAndTestOptions:
     share_to_accept : float
         n_lim over the number of image points.
     most_hypotheses : int
-        t_lim as a count, so that a result does not depend on the machine: about four seconds.
+        t_lim as a count, so that a result does not depend on the machine: about two
+        seconds of EPnP.
     screen_gates : float
         A set whose fourth match lies further than this many D_m from where the other three bring
         it is not solved; 0 solves all.
@@ -26,8 +27,8 @@ class HypothesizeAndTestOptions:
 
     set_size: int = 4
     share_to_accept: float = 0.6
-    most_hypotheses: int = 40_000
-    screen_gates: float = 8.0
+    most_hypotheses: int = 20_000
+    screen_gates: float = 4.0
     seed: tuple[int, ...] = (0,)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from models.arrays import Floats, Indices
 
 ALMOST_REAL = 1e-2  # noise turns a double root into a pair of complex ones: keep its real part
+VANISHING = 1e-9
 POLISHING_STEPS = 2
 LARGEST_MISFIT = 0.02  # of a squared side over the largest one, after polishing
 LEAST_ALTITUDE = 0.05  # of a triangle over its longest side: flatter ones determine no pose
@@ -88,7 +89,7 @@ def real_quartic_roots(coefficients: Floats) -> Floats:
 
     Returns
     -------
-    (4, q) array; NaN where a root is complex.
+    (4, q) array; NaN where a root is complex, but for the real part of a pair that is nearly real.
     """
     a3, a2, a1, a0 = coefficients[1:] / coefficients[0]
     shift = 0.25 * a3
@@ -96,16 +97,20 @@ def real_quartic_roots(coefficients: Floats) -> Floats:
     p = a2 - 6.0 * s2
     q = a1 - 2.0 * a2 * shift + 8.0 * s2 * shift
     r = a0 - a1 * shift + a2 * s2 - 3.0 * s2 * s2
-    z = _largest_cubic_root(2.0 * p, p * p - 4.0 * r, -q * q)
-    w = np.sqrt(np.maximum(z, 1e-30))
+    z = np.maximum(_largest_cubic_root(2.0 * p, p * p - 4.0 * r, -q * q), 0.0)
+    w = np.sqrt(z)
     roots = np.empty((4, coefficients.shape[1]))
-    for row, sign in ((0, 1.0), (2, -1.0)):
-        # y^2 + sign w y + (p + z)/2 - sign q/(2 w) = 0
-        quarter = 0.25 * z - 0.5 * (p + z) + sign * 0.5 * q / w
-        quarter = np.where((quarter < 0.0) & (quarter > -ALMOST_REAL * (z + 1.0)), 0.0, quarter)
-        half = np.sqrt(quarter)
-        roots[row] = -sign * 0.5 * w + half - shift
-        roots[row + 1] = -sign * 0.5 * w - half - shift
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        # The resolvent makes both the same; the first loses its digits where z vanishes.
+        alike = np.copysign(np.sqrt(0.25 * (p + z) ** 2 - r), q)
+        parting = np.where(z > VANISHING * (np.abs(p) + np.sqrt(np.abs(r))), 0.5 * q / w, alike)
+        for row, sign in ((0, 1.0), (2, -1.0)):
+            # y^2 + sign w y + (p + z)/2 - sign q/(2 w) = 0
+            quarter = 0.25 * z - 0.5 * (p + z) + sign * parting
+            nearly = (quarter < 0.0) & (quarter > -ALMOST_REAL * (z + 1.0))
+            half = np.sqrt(np.where(nearly, 0.0, quarter))
+            roots[row] = -sign * 0.5 * w + half - shift
+            roots[row + 1] = -sign * 0.5 * w - half - shift
     return roots
 
 

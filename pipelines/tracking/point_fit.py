@@ -17,7 +17,7 @@ from pipelines.identification import one_to_one
 from pipelines.pnp.gauss_newton import gauss_newton_step, linearised
 
 MOST_ROUNDS = 12
-RESTED = 1e-9  # of the last step, in radians and in shares of the range
+RESTED = 1e-6  # of the last step, in radians and in shares of the range; what is left is its square
 LEAST_MATCHES = 4
 SINGULAR = 1e-14
 

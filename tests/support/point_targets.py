@@ -63,3 +63,12 @@ def seen_points(
     landmark = np.concatenate([np.arange(len(points)), np.full(outliers, -1)])
     order = rng.permutation(len(landmark))
     return np.concatenate([points, wrong])[order], landmark[order]
+
+
+def normalised_squared_error(
+    estimate: RigidTransform, truth: RigidTransform, covariance: Floats
+) -> float:
+    """Return e^T P^-1 e of a pose in the six numbers of ``RigidTransform.perturbed``."""
+    turn = Rotation.from_matrix(estimate.rotation @ truth.rotation.T).as_rotvec()
+    error = np.concatenate([turn, estimate.translation - truth.translation])
+    return float(error @ np.linalg.solve(covariance, error))
