@@ -40,8 +40,8 @@ class ExposureControl:
             percentile=table.percentile,
             fill=table.percentile_fill,
             max_step=table.max_step,
-            min_ms=table.min_ms,
-            max_ms=table.max_ms,
+            min_ms=table.min_ms * world.exposure_share,
+            max_ms=table.max_ms * world.exposure_share,
         )
 
     def resume(self, recorded: Iterable[FrameEntry]) -> None:

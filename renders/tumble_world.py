@@ -164,15 +164,19 @@ class TumbleWorld(World):
             sigma_m_s=table.chaser_sigma_m_s,
         )
 
-    def frame_entries(self, prior: RigidTransform | None) -> list[FrameEntry]:
-        """Return the rows of ``frames.csv`` that are known before any image.
+    @property
+    def exposure_share(self) -> float:
+        """How much of a typed exposure time is meant.
 
-        Exposure times are typed for the camera's own pixels: larger ones, with ``--width``, fill
-        sooner and are exposed for less, so that a first look shows the same levels.
+        It is typed for the chip's own pixels: larger ones, with ``--width``, fill sooner and are
+        exposed for less, so that a first look shows the same levels.
         """
-        share = self.scenario.pixel_scale**2
+        return self.scenario.pixel_scale**2
+
+    def frame_entries(self, prior: RigidTransform | None) -> list[FrameEntry]:
+        """Return the rows of ``frames.csv`` that are known before any image."""
         return [
-            replace(entry, exposure_ms=entry.exposure_ms * share)
+            replace(entry, exposure_ms=entry.exposure_ms * self.exposure_share)
             for entry in super().frame_entries(prior)
         ]
 

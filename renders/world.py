@@ -289,6 +289,11 @@ class World:
         rate = radiance * electrons_per_radiance(self.scenario.simulated_optics, detector, 850.0)
         return float(1e3 * self.scenario.exposure.marker_fill * detector.full_well_e / rate)
 
+    @property
+    def exposure_share(self) -> float:
+        """How much of a typed exposure time, or of a bound on it, is meant; here all of it."""
+        return 1.0
+
     def prior(self, run: int) -> RigidTransform | None:
         """Return the first pose as drawn in a run; None where none is known on board."""
         return self.knowledge(run).prior
