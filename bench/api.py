@@ -11,6 +11,7 @@ and ``report`` load no Mitsuba.
 
 from __future__ import annotations
 
+import os
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
@@ -87,25 +88,71 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     render_case(RenderRequest(case=case, out=out, seeds=seeds, **options))
 
 
-def estimate(folder: Path) -> list[Path]:
-    """Run both pipeline variants on a dataset's public half; see ``bench.estimation``."""
-    from bench.estimation import estimate_dataset
+def holds_images(folder: Path) -> bool:
+    """Tell whether a dataset holds single images of a free target, and not pairs with markers."""
+    from models.dataset import read_format
+    from models.image_dataset import FORMAT
 
-    return estimate_dataset(folder)
+    return read_format(folder) == FORMAT
+
+
+def estimate(folder: Path, threads: int | None = None) -> list[Path]:
+    """Run both pipeline variants on a dataset's public half.
+
+    Parameters
+    ----------
+    folder : Path
+        Of pairs (see ``bench.estimation``) or of single images (``bench.image_estimation``), from
+        which the target is also acquired at starts spread over the run.
+    threads : int, optional
+        Processes that try the starts; as many as there are cores unless given.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
+    if not holds_images(folder):
+        from bench.estimation import estimate_dataset
+
+        return estimate_dataset(folder)
+    from bench.image_estimation import estimate_image_dataset
+    from bench.uncooperative.starts import try_starts
+
+    return [*estimate_image_dataset(folder), *try_starts(folder, workers=threads or cores())]
 
 
 def score(folder: Path) -> dict[str, Any]:
-    """Score the estimates of a dataset into ``score.json``; see ``bench.score``."""
+    """Score the estimates of a dataset into ``score.json``.
+
+    See ``bench.score`` for pairs and ``bench.uncooperative.score`` for single images.
+    """
+    if holds_images(folder):
+        from bench.uncooperative.score import score_tumble
+
+        return score_tumble(folder)
     from bench.score import score_dataset
 
     return score_dataset(folder)
 
 
 def report(folder: Path) -> Path:
-    """Write ``report.html`` of a scored dataset; see ``bench.report``."""
+    """Write ``report.html`` of a scored dataset; see ``bench.report``.
+
+    Of single images see ``bench.uncooperative``.
+    """
+    if holds_images(folder):
+        from bench.uncooperative.tumble_page import write_tumble_report
+
+        return write_tumble_report(folder)
     from bench.report.page import write_report
 
     return write_report(folder)
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) -> dict[str, Any]:
@@ -140,7 +187,7 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     left = runs_left(out, seeds)
     render(case, out, seeds=seeds if left else 1, **options)
     with light_held(out) if left else nullcontext():
-        estimate(out)
+        estimate(out, options.get("threads"))
         repeat_runs(out, seeds)
     scored = score(out)
     report(out)

@@ -31,6 +31,7 @@ class Render:
     """Render a case into a dataset.
 
         rvbench render maxar-approach --sun S4 --rate-hz 0.1 --out out/s4
+        rvbench render xmm-tumble --width 1024 --out out/xmm
 
     Stop it anywhere: what is there is kept, and the same command goes on from there.
     """
@@ -40,13 +41,14 @@ class Render:
     out: Folder
     """folder of the dataset"""
     sun: Annotated[str | None, arg(metavar="S1..S7|x,y,z", help_behavior_hint="")] = None
-    """where the Sun stands: a name, or a vector towards it in the target frame"""
+    """where the Sun stands: a name, or a vector towards it in the target frame; of a tumbling
+    target a vector in the orbit's inertial frame"""
     rate_hz: OptionalNumber = None
-    """image pairs a second"""
+    """image pairs, or single images, a second"""
     span_s: Annotated[tuple[float, float] | None, arg(metavar="FROM TO", help_behavior_hint="")] = (
         None
     )
-    """part of the approach, in s"""
+    """part of the motion, in s"""
     width: OptionalCount = None
     """columns of the image; the field of view stays"""
     spp: OptionalCount = None
@@ -96,6 +98,7 @@ class Run(Render):
         rvbench run maxar-demo --out out/demo
         rvbench run maxar-approach --sun S2 --rate-hz 0.1 --seeds 10 --out out/s2
         rvbench run maxar-approach --sun 0.2,-0.5,1 --span-s 200 330 --out out/mine
+        rvbench run xmm-tumble --out out/xmm
 
     Stop it anywhere: what is there is kept, and the same command goes on from there.
     """
@@ -106,7 +109,7 @@ class Run(Render):
     def run(self) -> int:
         """Do the whole job."""
         scored = api.run(self.case, self.out, seeds=self.seeds, **self.options())
-        _print_summary(scored)
+        _print_summary(self.out, scored)
         print(f"score:  {self.out / 'score.json'}")
         print(f"report: {(self.out / 'report.html').resolve()}")
         return DONE
@@ -207,7 +210,7 @@ class Score:
     def run(self) -> int:
         """Score."""
         scored = api.score(self.folder)
-        _print_summary(scored)
+        _print_summary(self.folder, scored)
         print(f"score: {self.folder / 'score.json'}")
         if self.fail_above_mm is None:
             return DONE
@@ -238,8 +241,10 @@ class Show:
 
         rvbench show out/demo 3
         rvbench show out/demo 3 --variant paper --out frame3.png
+        rvbench show out/xmm 120
 
-    Red circles are detections, green diamonds reprojections, cyan crosses the truth.
+    Red circles are detections, green diamonds reprojections, cyan crosses the truth. Of a target
+    without markers the wireframe is drawn: green as estimated, cyan as it truly was.
     """
 
     folder: Positional[Folder]
@@ -253,11 +258,16 @@ class Show:
 
     def run(self) -> int:
         """Draw and write the picture."""
-        from bench.show import write_frame
+        from bench.show import write_frame, write_picture
 
         name = f"{self.frame:06d}_{self.variant}.png"
         out = self.out or self.folder / "show" / name
-        write_frame(self.folder, self.frame, out, self.variant)
+        if api.holds_images(self.folder):
+            from bench.image_show import show_image
+
+            write_picture(show_image(self.folder, self.frame, self.variant), out)
+        else:
+            write_frame(self.folder, self.frame, out, self.variant)
         print(f"picture: {out}")
         return DONE
 
@@ -285,7 +295,12 @@ class Doctor:
         return doctor()
 
 
-def _print_summary(scored: dict[str, object]) -> None:
+def _print_summary(folder: Path, scored: dict[str, object]) -> None:
+    if api.holds_images(folder):
+        from bench.uncooperative.tumble_summary import print_tumble_summary
+
+        print_tumble_summary(Console(), scored)
+        return
     from bench.summary import print_summary
 
     print_summary(Console(), scored)
