@@ -18,7 +18,7 @@ from bench.uncooperative.cases import Case, tumble_of
 from bench.uncooperative.navigation_errors import pose_error_sizes
 from bench.uncooperative.navigators import navigator
 from bench.uncooperative.synthetic_points import PointNoise, point_frame
-from models.arrays import Floats
+from models.arrays import AnyArray, Floats
 from models.camera import camera_preset
 from models.estimate import PoseEstimate
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
@@ -94,7 +94,7 @@ def acquire(task: AcquisitionTask) -> Outcome:
         rows.append(row)
         seconds.append(spent_s)
     table = np.array(rows, dtype=np.float64).reshape(len(task.runs), 5)
-    values = {
+    values: dict[str, AnyArray] = {
         "run": np.array(task.runs, dtype=np.int32),
         "epoch_s": table[:, 0].astype(np.float32),
         "images": table[:, 1].astype(np.int16),

@@ -79,7 +79,7 @@ def bound(task: BoundTask) -> Outcome:
             covariance = step @ covariance @ step.T
         seen = pose_information(tumble, target, camera, task.sigma_px, now_s)
         covariance = _updated(covariance, seen)
-        single = np.linalg.inv(seen)
+        single: Floats = np.asarray(np.linalg.inv(seen), dtype=np.float64)
         rates = _relative_rate(tumble, now_s) @ covariance[6:, 6:] @ _relative_rate(tumble, now_s).T
         rows.append(
             [

@@ -136,13 +136,14 @@ class Plan:
 
     def cells(self) -> list[Cell]:
         """Return the tracking cells of all parts asked for."""
-        makers = {
-            "table6": self.table6,
-            "table7": self.table7,
-            "table8": self.table8,
-            "vinag": lambda: [self.vinag()],
+        cells = {
+            "table5": [],
+            "table6": self.table6(),
+            "table7": self.table7(),
+            "table8": self.table8(),
+            "vinag": [self.vinag()],
         }
-        return [cell for part in self.parts if part in makers for cell in makers[part]()]
+        return [cell for part in self.parts for cell in cells[part]]
 
     def table6(self) -> list[Cell]:
         """Return the cells of Table 6: the five cases."""

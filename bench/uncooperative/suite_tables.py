@@ -24,7 +24,9 @@ BETWEEN = "between"
 def cell_table(cells: Sequence[Compared], table: str) -> Table:
     """Set one of the paper's tables beside ours, cell by cell."""
     own = [cell for cell in cells if cell.table == table]
-    rows, sections, last = [], {}, ""
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
+    last = ""
     for cell in own:
         if cell.row != last:
             sections[len(rows)] = cell.row
@@ -51,7 +53,8 @@ def acquisition_table(cases: Iterable[AcquiredCase]) -> Table:
         "97.5 % sure below", "median, m", "median, deg", "time, mean s", "std s", "largest s",
         "the paper's mean s",
     ]  # fmt: skip
-    rows, sections = [], {}
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
     for own in cases:
         sections[len(rows)] = f"case {own.case.key}, {own.case.name}"
         theirs = published()["acquisition"][f"case{own.case.key}"]["time_s"][0]
@@ -83,7 +86,8 @@ def filter_table(cells: Sequence[TrackedCell], window: str) -> Table:
         "filtered is", "pose alone, deg", "filtered, deg", "bound of any filter, deg",
         "pose / its bound", "filtered is",
     ]  # fmt: skip
-    rows, sections = [], {}
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
     for tracked in cells:
         sections[len(rows)] = cell_title(tracked.cell)
         summaries, bound = _of(tracked, window)
@@ -129,7 +133,8 @@ def window_table(cells: Sequence[TrackedCell]) -> Table:
         "run 0, m", "run 0, deg", "median run, m", "median run, deg", "largest, deg", "no pose",
         "no state", "frame, ms",
     ]  # fmt: skip
-    rows, sections = [], {}
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
     for tracked in cells:
         sections[len(rows)] = cell_title(tracked.cell)
         for variant in SHOWN:
@@ -164,7 +169,8 @@ def consistency_table(cells: Sequence[TrackedCell], window: str) -> Table:
         "", "NEES, translation", "inside", "NEES, rotation", "inside", "NIS, translation",
         "inside", "NIS, rotation", "inside", "95 % of an honest one",
     ]  # fmt: skip
-    rows, sections = [], {}
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
     for tracked in cells:
         sections[len(rows)] = cell_title(tracked.cell)
         for variant in SHOWN:

@@ -132,7 +132,9 @@ def starts_table(score: Score) -> Table:
 def limit_table(score: Score, variant: str) -> Table:
     """Show the image's own pose by what may limit it."""
     head = ["", "frames", "with a pose", "position, median m", "attitude, median deg"]
-    rows, sections, last = [], {}, ""
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
+    last = ""
     for one in score["pipelines"][variant]["limits"]:
         if one["of"] != last:
             sections[len(rows)] = last = one["of"]
