@@ -33,6 +33,8 @@ from pipelines.uncooperative_options import VARIANTS, UncooperativeOptions, opti
 
 __all__ = ["VARIANTS", "Uncooperative", "UncooperativeOptions", "options_for"]
 
+DOUBTED_FRAMES = 2  # a frame whose pose is doubted counts as this many without one
+
 
 class Uncooperative:
     """Follows one target through a run of frames.
@@ -94,11 +96,12 @@ class Uncooperative:
         return self._tracked(finder, frame, self._navigation, predicted)
 
     def _acquired(
-        self, finder: PoseFinder[Any], frame: PointFrame | ImageFrame
+        self, finder: PoseFinder[Any], frame: PointFrame | ImageFrame, keep: bool = False
     ) -> NavigationEstimate:
-        """Start from this image alone."""
+        """Start from this image alone; where that fails there is no state, but one to keep."""
         pose = finder.acquire(frame)
         if isinstance(pose, NoPose):
+            self._navigation = self._navigation if keep else None
             return self._said(frame, pose, None, "searching")
         self._navigation = self._filters()
         self._lost_frames, self._share = 0, 1.0
@@ -115,25 +118,37 @@ class Uncooperative:
         mount = self._knowledge.cam_from_lvlh
         expected = predicted.state.cam_from_target(mount)
         pose = self._found(finder, frame, expected, predicted)
-        self._remember(finder.matched_share(frame, pose))
         if isinstance(pose, PoseEstimate):
-            if self._share < self._options.share_to_doubt:
-                pose = _refused(
-                    pose,
-                    f"the poses of late match {100.0 * self._share:.0f} % of what they should, "
-                    f"{100.0 * self._options.share_to_doubt:.0f} % are needed",
-                )
-            else:
-                predicted = navigation.update(pose)
-                if predicted.used_pose:
-                    self._lost_frames = 0
-                    return self._said(frame, pose, predicted, "tracked")
-                pose = _refused(pose, f"the filters refuse the pose: {predicted.reason}")
+            self._remember(finder.matched_share(frame, pose))
+            if self._share < self._least_share(frame):
+                return self._doubted(finder, frame, pose, predicted)
+            predicted = navigation.update(pose)
+            if predicted.used_pose:
+                self._lost_frames = 0
+                return self._said(frame, pose, predicted, "tracked")
+            pose = _refused(pose, f"the filters refuse the pose: {predicted.reason}")
         self._lost_frames += 1
         if self._lost_frames >= self._options.lost_frames:
-            self._navigation = None
             return self._acquired(finder, frame)
         return self._said(frame, pose, predicted, "predicted")
+
+    def _doubted(
+        self,
+        finder: PoseFinder[Any],
+        frame: PointFrame | ImageFrame,
+        pose: PoseEstimate,
+        predicted: FilteredState,
+    ) -> NavigationEstimate:
+        """Acquire anew beside a state that explains the images less and less; it has not long."""
+        self._lost_frames += DOUBTED_FRAMES
+        anew = self._acquired(finder, frame, keep=self._lost_frames < self._options.lost_frames)
+        if anew or self._navigation is None:
+            return anew
+        reason = (
+            f"the poses of late match {100.0 * self._share:.0f} % of what they should, "
+            f"{100.0 * self._least_share(frame):.0f} % are needed"
+        )
+        return self._said(frame, _refused(pose, reason), predicted, "predicted")
 
     def _found(
         self,
@@ -152,6 +167,11 @@ class Uncooperative:
     def _remember(self, share: float) -> None:
         weight = 1.0 / self._options.share_memory_frames
         self._share += weight * (share - self._share)
+
+    def _least_share(self, frame: PointFrame | ImageFrame) -> float:
+        if isinstance(frame, PointFrame):
+            return self._options.share_to_doubt
+        return self._options.image_share_to_doubt
 
     def _filters(self) -> RelativeNavigation:
         return RelativeNavigation(

@@ -49,8 +49,9 @@ class UncooperativeOptions:
         Frames in a row without a pose, after which the target is acquired anew.
     share_memory_frames : float
         Over which the matched share is averaged (exponentially).
-    share_to_doubt : float
-        Average below which the pose is doubted, and acquired anew.
+    share_to_doubt, image_share_to_doubt : float
+        Average below which the pose is doubted, and acquired anew: of points, and of an image's
+        edges, which find less even at the right pose.
     """
 
     variant: str = "best"
@@ -67,10 +68,16 @@ class UncooperativeOptions:
     max_residual_sigmas: float = 1.6
     lost_frames: int = 10
     share_memory_frames: float = 4.0
-    share_to_doubt: float = 0.6
+    share_to_doubt: float = 0.75
+    image_share_to_doubt: float = 0.4
 
     def __post_init__(self) -> None:
-        for name in ("share_to_believe", "share_to_be_sure", "share_to_doubt"):
+        for name in (
+            "share_to_believe",
+            "share_to_be_sure",
+            "share_to_doubt",
+            "image_share_to_doubt",
+        ):
             value = getattr(self, name)
             if not 0.0 <= value <= 1.0:
                 raise ScenarioError(
