@@ -162,8 +162,14 @@ def pixel_means(sums: Sequence[Any], lanes: Any, shares: int, samples: int) -> l
         for total, each in zip(totals, sums, strict=True):
             dr.scatter_add(total, each, place, mode=dr.ReduceMode.Local)
     dr.eval(totals)
-    scale = np.float32(1.0 / samples)
-    return [np.array(t).reshape(-1, shares // together).sum(axis=1) * scale for t in totals]
+    means = []
+    for total in totals:
+        parts = np.array(total).reshape(-1, shares // together)
+        mean = parts[:, 0].copy()
+        for part in parts.T[1:]:  # NumPy's own sum over so short an axis is ten times slower
+            mean += part
+        means.append(mean * np.float32(1.0 / samples))
+    return means
 
 
 def trace_groups(

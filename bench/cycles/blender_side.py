@@ -185,19 +185,24 @@ def build(table: dict[str, Any], arrays: Any) -> dict[str, Any]:
     return {sun["name"]: make_sun(sun) for sun in table["suns"]}
 
 
+def now(event: str) -> tuple[str, float, float]:
+    """Return an event with the time of day and the processor's time, all threads', s."""
+    return event, time.time(), time.process_time()
+
+
 def main(job_file: Path) -> None:
     """Do a job and write the clock's readings beside it."""
-    clock: list[tuple[str, float]] = [("imported", time.time())]
+    clock = [now("imported")]
     job = json.loads(job_file.read_text())
     folder = Path(job["scene"])
     bpy.ops.wm.read_factory_settings(use_empty=True)
     set_up_cycles(job)
     with np.load(folder / "meshes.npz") as arrays:
         lamps = build(json.loads((folder / "scene.json").read_text()), arrays)
-    clock.append(("ready", time.time()))
+    clock.append(now("ready"))
     scene = bpy.context.scene
     # Cycles renders and writes in one call: what it reports by these is when its light was done.
-    bpy.app.handlers.render_post.append(lambda *_: clock.append(("rendered", time.time())))
+    bpy.app.handlers.render_post.append(lambda *_: clock.append(now("rendered")))
     for task in job["renders"]:
         for name, lamp in lamps.items():
             lamp.hide_render = name not in task["suns"]
@@ -206,7 +211,7 @@ def main(job_file: Path) -> None:
         scene.cycles.seed = task["seed"]
         scene.render.filepath = task["out"]
         bpy.ops.render.render(write_still=True)
-        clock.append(("written", time.time()))
+        clock.append(now("written"))
     job_file.with_suffix(".clock.json").write_text(json.dumps(clock))
 
 

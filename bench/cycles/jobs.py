@@ -1,8 +1,8 @@
 """Jobs for either renderer: what to render, run in a process of its own, with its clock and memory.
 
 A job is a JSON file; ``our_side`` and ``blender_side`` read the same one. Each notes the time of
-day when its imports are done, the scene is ready, each image is rendered and written, so that the
-start-up can be told apart from the light.
+day and its processor time when its imports are done, the scene is ready, each image is rendered and
+written, so that the start-up can be told apart from the light.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -113,6 +114,8 @@ class Effort:
         Each task's light, without the writing of its file.
     processor_s : float, s
         Of all cores: what other work on the machine cannot change much.
+    rendered_processor_s : tuple of float, s
+        The same for each task's light.
     peak_mib : float, MiB
         The most resident memory it had (its own largest child included).
     """
@@ -122,6 +125,7 @@ class Effort:
     scene_s: float
     rendered_s: tuple[float, ...]
     processor_s: float
+    rendered_processor_s: tuple[float, ...]
     peak_mib: float
 
 
@@ -186,26 +190,26 @@ def run(job: Job, folder: Path, kernels: Path | None = None) -> Effort:
 
 
 def effort(
-    clock: Sequence[tuple[str, float]],
+    clock: Sequence[tuple[str, float, float]],
     started: float,
     whole_s: float,
     processor_s: float,
     peak_mib: float,
 ) -> Effort:
-    """Return what a process took from the readings of its clock, (event, time of day) pairs."""
-    at = dict(clock[:2])
-    rendered = []
-    before = at["ready"]
-    for event, moment in clock[2:]:
+    """Return what a process took from its clock: (event, time of day, processor time) readings."""
+    at = {event: moment for event, moment, _ in clock[:2]}
+    rendered, worked = [], []
+    for (_, before, spent), (event, moment, work) in pairwise(clock[1:]):
         if event == "rendered":
             rendered.append(moment - before)
-        before = moment
+            worked.append(work - spent)
     return Effort(
         whole_s=whole_s,
         import_s=at["imported"] - started,
         scene_s=at["ready"] - at["imported"],
         rendered_s=tuple(rendered),
         processor_s=processor_s,
+        rendered_processor_s=tuple(worked),
         peak_mib=peak_mib,
     )
 

@@ -50,14 +50,15 @@ class Cost:
         Spent on light, which grows with the samples.
     rest_s : float, s
         Start-up, writing, end: all else.
-    processor_s : float, s
-        Of all cores.
+    light_processor_s, rest_processor_s : float, s
+        The same, of all cores: what else the machine does hardly changes it.
     peak_mib : float, MiB
     """
 
     light_s: float
     rest_s: float
-    processor_s: float
+    light_processor_s: float
+    rest_processor_s: float
     peak_mib: float
 
     @property
@@ -65,12 +66,28 @@ class Cost:
         """From the start of the process to its end."""
         return self.light_s + self.rest_s
 
+    @property
+    def processor_s(self) -> float:
+        """Of all cores, from the start of the process to its end."""
+        return self.light_processor_s + self.rest_processor_s
+
     def at_noise(self, own: float, wanted: float) -> float:
         """Return the whole time with the samples that bring noise ``own`` to ``wanted``, s."""
         return self.light_s * own / wanted + self.rest_s
+
+    def processor_at_noise(self, own: float, wanted: float) -> float:
+        """Return the processor time with those samples, s."""
+        return self.light_processor_s * own / wanted + self.rest_processor_s
+
+    def times(self, scale: float) -> Cost:
+        """Return the cost of ``scale`` times the light, the rest as it is."""
+        light_s, worked_s = scale * self.light_s, scale * self.light_processor_s
+        return Cost(light_s, self.rest_s, worked_s, self.rest_processor_s, self.peak_mib)
 
 
 def cost_of(effort: Effort) -> Cost:
     """Return what a process cost."""
     light_s = sum(effort.rendered_s)
-    return Cost(light_s, effort.whole_s - light_s, effort.processor_s, effort.peak_mib)
+    worked_s = sum(effort.rendered_processor_s)
+    rest_s, rest_processor_s = effort.whole_s - light_s, effort.processor_s - worked_s
+    return Cost(light_s, rest_s, worked_s, rest_processor_s, effort.peak_mib)

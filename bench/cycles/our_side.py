@@ -180,10 +180,15 @@ class BareMitsuba:
         return {suns[0].name: np.array(image)[..., SUNLIGHT]}
 
 
+def now(event: str) -> tuple[str, float, float]:
+    """Return an event with the time of day and the processor's time, all threads', s."""
+    return event, time.time(), time.process_time()
+
+
 def main(job_file: Path) -> None:
     """Do a job and write the clock's readings beside it."""
     job = json.loads(job_file.read_text())
-    clock: list[tuple[str, float]] = [("imported", time.time())]
+    clock = [now("imported")]
     activate(choose_variant(job["variant"]))
     neutral = read_scene(Path(job["scene"]))
     by_name = {sun.name: sun for sun in neutral.suns}
@@ -191,13 +196,13 @@ def main(job_file: Path) -> None:
         renderer: OurRenderer | BareMitsuba = BareMitsuba(neutral, job["max_depth"])
     else:
         renderer = OurRenderer(neutral, job["max_depth"])
-    clock.append(("ready", time.time()))
+    clock.append(now("ready"))
     for task in job["renders"]:
         suns = [by_name[name] for name in task["suns"]]
         images = renderer.render(suns, task["samples"], task["seed"])
-        clock.append(("rendered", time.time()))
+        clock.append(now("rendered"))
         write_exr(Path(task["out"]), images)
-        clock.append(("written", time.time()))
+        clock.append(now("written"))
     if job["truth"] and isinstance(renderer, OurRenderer):
         np.savez(job["truth"], **renderer.truth())  # type: ignore[arg-type]
     job_file.with_suffix(".clock.json").write_text(json.dumps(clock))

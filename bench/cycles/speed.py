@@ -90,6 +90,12 @@ class Row:
         return [b.light_s / a.light_s for a, b in zip(self.ours, self.theirs, strict=True)]
 
     @property
+    def of_processor_at_equal_noise(self) -> list[float]:
+        """The same in processor time, which other work on the machine hardly changes."""
+        pairs = zip(self.ours, self.theirs, strict=True)
+        return [b.processor_at_noise(self.noise_ratio, 1.0) / a.processor_s for a, b in pairs]
+
+    @property
     def of_processor(self) -> list[float]:
         """Their processor time over ours at equal samples."""
         return [b.processor_s / a.processor_s for a, b in zip(self.ours, self.theirs, strict=True)]
@@ -205,10 +211,7 @@ def sweep(course: Course, repeats: int, rendered: int) -> tuple[Row, Row]:
     for _ in range(repeats):
         ours.append(cost_of(course.run(OURS, "sweep", [every])))
         part = cost_of(course.run(CYCLES, "sweep", singles))
-        scale = len(every) / len(chosen)
-        theirs.append(
-            Cost(part.light_s * scale, part.rest_s, part.processor_s * scale, part.peak_mib)
-        )
+        theirs.append(part.times(len(every) / len(chosen)))
         groups.append(cost_of(course.run(CYCLES, "sweep", [every])))
     our_noise = noise(course, OURS, course.image(OURS, every, 0, course.samples), every)
     group_noise = noise(course, CYCLES, course.image(CYCLES, every, 0, course.samples), every)
@@ -237,15 +240,30 @@ def machine() -> dict[str, str | int]:
     return {"processor": model, "cores": os.cpu_count() or 0, "load": f"{os.getloadavg()[0]:.1f}"}
 
 
+def as_table(cost: Cost) -> dict[str, float]:
+    """Return a cost with its sums."""
+    return asdict(cost) | {"whole_s": cost.whole_s, "processor_s": cost.processor_s}
+
+
 def report(rows: list[Row], first: dict[str, Cost], settings: dict[str, int]) -> str:
     """Return everything that was measured as JSON."""
-    ratios = ("decisive", "at_equal_noise", "at_equal_samples", "of_light_alone", "of_processor")
+    ratios = (
+        "decisive",
+        "at_equal_noise",
+        "at_equal_samples",
+        "of_light_alone",
+        "of_processor",
+        "of_processor_at_equal_noise",
+    )
     table = {
         "machine": machine(),
         "settings": settings,
-        "first_time": {what: asdict(cost) for what, cost in first.items()},
+        "first_time": {what: as_table(cost) for what, cost in first.items()},
         "rows": [
-            asdict(row) | {name: getattr(row, name) for name in ratios} | {"reached": row.reached}
+            asdict(row)
+            | {side: [as_table(cost) for cost in getattr(row, side)] for side in ("ours", "theirs")}
+            | {name: getattr(row, name) for name in ratios}
+            | {"reached": row.reached}
             for row in rows
         ],
     }

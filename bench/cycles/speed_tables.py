@@ -39,7 +39,8 @@ def print_rows(console: Console, rows: list[Row], first: dict[str, Cost], folder
     for column in ("", "whole, s", "but light, s", "processor, s", "peak, MiB"):
         costs.add_column(column, justify="right" if column else "left")
     ratios = Table(title="Ratios of whole times", box=box.SIMPLE, title_justify="left")
-    for column in ("", "equal noise", "equal samples", "light alone", "noise", "target"):
+    columns = ("", "equal noise", "of processor", "equal samples", "light alone", "noise", "target")
+    for column in columns:
         ratios.add_column(column, justify="right" if column else "left")
     for row in rows:
         one, other = ("mitsuba", "rvbench") if row.bare else ("rvbench", "Cycles")
@@ -50,6 +51,7 @@ def print_rows(console: Console, rows: list[Row], first: dict[str, Cost], folder
         ratios.add_row(
             f"{row.what}: {other} over {one}",
             spread(row.at_equal_noise, 2),
+            spread(row.of_processor_at_equal_noise, 2),
             spread(row.at_equal_samples, 2),
             spread(row.of_light_alone, 2),
             f"{row.noise_ratio:.2f}, {row.whole_frame_noise_ratio:.2f}",
@@ -60,7 +62,8 @@ def print_rows(console: Console, rows: list[Row], first: dict[str, Cost], folder
     console.print(costs)
     console.print(ratios)
     console.print(
-        "The target is held against equal noise; for bare Mitsuba, against light alone. Noise: the "
-        "second's relative squared error over the first's at equal samples, per pixel and over the "
+        "The target is held against equal noise; for bare Mitsuba, against light alone. Of "
+        "processor: equal noise in processor time. Noise: the second's relative squared error over "
+        "the first's at equal samples, per pixel and over the "
         f"frame. Everything is in {folder}/speed.json"
     )

@@ -15,16 +15,17 @@ from bench.cycles.jobs import CYCLES, OURS, Job, SideFailed, Task, effort, read_
 
 def test_light_is_told_apart_from_start_up_and_writing():
     clock = [
-        ("imported", 101.0),
-        ("ready", 103.5),
-        ("rendered", 107.5),
-        ("written", 108.0),
-        ("rendered", 110.0),
-        ("written", 110.25),
+        ("imported", 101.0, 0.5),
+        ("ready", 103.5, 3.0),
+        ("rendered", 107.5, 10.0),
+        ("written", 108.0, 10.5),
+        ("rendered", 110.0, 14.0),
+        ("written", 110.25, 14.25),
     ]
     taken = effort(clock, started=100.0, whole_s=11.0, processor_s=18.0, peak_mib=300.0)
     assert (taken.import_s, taken.scene_s) == (1.0, 2.5)
     assert taken.rendered_s == (4.0, 2.0)
+    assert taken.rendered_processor_s == (7.0, 3.5)
     assert taken.whole_s == 11.0
 
 
@@ -77,7 +78,8 @@ def test_a_process_is_timed_and_weighed(tmp_path, monkeypatch):
         "import json, pathlib, sys, time\n"
         "hold = bytearray(64 << 20)\n"
         "start = time.time(); time.sleep(0.2)\n"
-        "clock = [['imported', start], ['ready', start], ['rendered', time.time()]]\n"
+        "ready = [['imported', start, 0.0], ['ready', start, 0.0]]\n"
+        "clock = [*ready, ['rendered', time.time(), time.process_time()]]\n"
         "pathlib.Path(sys.argv[1]).with_suffix('.clock.json').write_text(json.dumps(clock))\n"
     )
     monkeypatch.setattr(jobs, "command", lambda side: [sys.executable, "-S", "-c", program])

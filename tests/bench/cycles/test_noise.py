@@ -49,12 +49,15 @@ def test_a_black_reference_has_a_finite_error():
 
 
 def test_only_light_grows_with_the_samples():
-    cost = Cost(light_s=6.0, rest_s=2.0, processor_s=10.0, peak_mib=100.0)
+    cost = Cost(6.0, 2.0, light_processor_s=9.0, rest_processor_s=1.0, peak_mib=100.0)
     assert cost.whole_s == 8.0
     assert cost.at_noise(own=3.0, wanted=1.0) == 20.0
     assert cost.at_noise(own=1.0, wanted=1.0) == cost.whole_s
+    assert cost.processor_at_noise(own=3.0, wanted=1.0) == 28.0
+    assert cost.processor_at_noise(own=1.0, wanted=1.0) == cost.processor_s
+    assert cost.times(3.0) == Cost(18.0, 2.0, 27.0, 1.0, 100.0)
 
 
 def test_what_a_process_did_besides_light_counts():
-    effort = Effort(10.0, 1.0, 2.0, (3.0, 1.5), 15.0, 300.0)
-    assert cost_of(effort) == Cost(4.5, 5.5, 15.0, 300.0)
+    effort = Effort(10.0, 1.0, 2.0, (3.0, 1.5), 15.0, (6.0, 2.0), 300.0)
+    assert cost_of(effort) == Cost(4.5, 5.5, 8.0, 7.0, 300.0)
