@@ -309,7 +309,11 @@ def _print_summary(folder: Path, scored: dict[str, object]) -> None:
 def _verdict(scored: dict[str, Any], limit_mm: float) -> int:
     variant = "best" if "best" in scored["pipelines"] else next(iter(scored["pipelines"]))
     row = scored["pipelines"][variant]
-    p95_mm, missed = row["position_error_mm"]["p95"], row["lost"]["missed"]
+    if "position_m" in row:  # a free target's
+        p95_m, missed = row["position_m"]["p95"], row["lost"]
+        p95_mm = None if p95_m is None else 1e3 * p95_m
+    else:
+        p95_mm, missed = row["position_error_mm"]["p95"], row["lost"]["missed"]
     if p95_mm is None or p95_mm > limit_mm or missed:
         said = "no pose at all" if p95_mm is None else f"{p95_mm:.3g} mm"
         print(
