@@ -91,12 +91,12 @@ def refined_poses(
     """
     away = np.ascontiguousarray(normalised.T)
     for widening in GATES:
-        predicted, _ = linearised(rotations, translations, points_in_target)
-        point, _ = mutual_matches(predicted, away, widening * gate_sigmas * sigma)
+        linear = linearised(rotations, translations, points_in_target)
+        point, _ = mutual_matches(linear[0], away, widening * gate_sigmas * sigma)
         weights = (point >= 0).astype(np.float64)
         observed = away[:, np.maximum(point, 0)].transpose(1, 0, 2)
         rotations, translations, _ = gauss_newton_step(
-            rotations, translations, points_in_target, observed, weights
+            rotations, translations, linear, observed, weights
         )
     predicted, _ = linearised(rotations, translations, points_in_target)
     point, squared = mutual_matches(predicted, away, gate_sigmas * sigma)

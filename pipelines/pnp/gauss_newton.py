@@ -73,7 +73,7 @@ def linearised(
 def gauss_newton_step(
     rotations: Floats,
     translations: Floats,
-    points_in_target: Floats,
+    linear: tuple[Floats, Floats],
     observed: Floats,
     weights: Floats,
 ) -> tuple[Floats, Floats, Mask]:
@@ -83,7 +83,8 @@ def gauss_newton_step(
     ----------
     rotations : (b, 3, 3) array
     translations : (b, 3) array, m
-    points_in_target : (m, 3) array, m
+    linear : (b, 2, m) and (b, 6, 2, m) arrays
+        What ``linearised`` returns at these poses.
     observed : (b, 2, m) array
         Undistorted normalised coordinates of the point that each pose matches with a landmark;
         anything finite where the weight is zero.
@@ -96,8 +97,8 @@ def gauss_newton_step(
     moved : (b,) array of bool
         False where the points do not determine a step; the pose is then left as it was.
     """
-    predicted, jacobian = linearised(rotations, translations, points_in_target)
-    count, known = len(rotations), len(points_in_target)
+    predicted, jacobian = linear
+    count, _, _, known = jacobian.shape
     flat = jacobian.reshape(count, 6, 2 * known)
     weighted = (jacobian * weights[:, None, None, :]).reshape(count, 6, 2 * known)
     residuals = (observed - predicted).reshape(count, 2 * known, 1)

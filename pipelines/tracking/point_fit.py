@@ -94,22 +94,27 @@ def fit_points(
     rotation, translation = start.rotation[None], start.translation[None]
     matched = named
     widths = (max(first_gate_px, gate_px) / focal_px, gate_px / focal_px)
+    observed = np.zeros((1, 2, len(points_in_target)))
     before: Indices | None = None
     rested = False
     for turn in range(MOST_ROUNDS):
-        predicted, _ = linearised(rotation, translation, points_in_target)
+        linear = linearised(rotation, translation, points_in_target)
         if turn or matched is None:
-            matched = _matches(predicted[0].T, normalised, widths[min(turn, 1)], shown)
+            matched = _matches(linear[0][0].T, normalised, widths[min(turn, 1)], shown)
         if np.count_nonzero(matched >= 0) < LEAST_MATCHES:
             return f"{np.count_nonzero(matched >= 0)} of {len(points_px)} points match a landmark"
-        moved = _step(rotation, translation, points_in_target, normalised, matched)
-        if moved is None:
+        taken = matched >= 0
+        observed[0][:, matched[taken]] = normalised[taken].T
+        weights = np.zeros((1, len(points_in_target)))
+        weights[0, matched[taken]] = 1.0
+        moved = gauss_newton_step(rotation, translation, linear, observed, weights)
+        if not moved[2][0]:
             return "the matched points do not determine a pose"
         change = max(
             float(np.abs(moved[0] - rotation).max()),
             float(np.abs(moved[1] - translation).max()) / float(translation[0, 2]),
         )
-        rotation, translation = moved
+        rotation, translation = moved[:2]
         if not translation[0, 2] > 0.0:
             return "the solver put the target behind the camera"
         same = before is not None and bool((matched == before).all())
@@ -134,23 +139,6 @@ def _matches(predicted: Floats, normalised: Floats, gate: float, shown: Indices 
     else:
         matched = one_to_one(squared / gate**2, near)
     return matched if shown is None else np.where(matched >= 0, shown[matched], -1)
-
-
-def _step(
-    rotation: Floats,
-    translation: Floats,
-    points_in_target: Floats,
-    normalised: Floats,
-    matched: Indices,
-) -> tuple[Floats, Floats] | None:
-    taken = matched >= 0
-    landmarks = points_in_target[matched[taken]]
-    observed = np.ascontiguousarray(normalised[taken].T)[None]
-    weights = np.ones((1, len(landmarks)))
-    rotation, translation, moved = gauss_newton_step(
-        rotation, translation, landmarks, observed, weights
-    )
-    return (rotation, translation) if moved[0] else None
 
 
 def _finished(

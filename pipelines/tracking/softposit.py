@@ -20,6 +20,7 @@ from models.pose import RigidTransform
 
 CHI2_99 = 9.21  # 0.99 quantile of chi-square with two degrees of freedom
 LEAST_BETA, MOST_BETA = 1e-5, 0.1
+LARGEST_EXPONENT = 600.0  # its exponential is finite
 CHECKED_EVERY = 2  # sweeps: looking whether they have settled costs as much as one
 
 
@@ -204,6 +205,8 @@ class _Annealing:
         np.matmul(self._left, right, out=self._squared)
         np.multiply(self._squared, -beta, out=self._weights)
         self._weights += beta * self._alpha
+        if beta * self._alpha > LARGEST_EXPONENT:
+            np.minimum(self._weights, LARGEST_EXPONENT, out=self._weights)
         np.exp(self._weights, out=self._weights)
         self._weights *= self._slack
         return self._sinkhorn()

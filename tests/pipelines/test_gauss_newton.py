@@ -58,7 +58,11 @@ def test_steps_end_at_the_minimum_of_levenberg_marquardt() -> None:
     rotations, translations = stacked(started)
     for _ in range(8):
         rotations, translations, moved = gauss_newton_step(
-            rotations, translations, POINTS, seen.transpose(0, 2, 1), weights
+            rotations,
+            translations,
+            linearised(rotations, translations, POINTS),
+            seen.transpose(0, 2, 1),
+            weights,
         )
         assert moved.all()
     for index, start in enumerate(started):
@@ -74,6 +78,7 @@ def test_points_that_determine_nothing_leave_the_pose() -> None:
     rotations, translations = stacked(poses(1))
     nothing = np.zeros((1, len(POINTS)))
     observed = np.zeros((1, 2, len(POINTS)))
-    after, shifted, _ = gauss_newton_step(rotations, translations, POINTS, observed, nothing)
+    linear = linearised(rotations, translations, POINTS)
+    after, shifted, _ = gauss_newton_step(rotations, translations, linear, observed, nothing)
     np.testing.assert_allclose(after, rotations, atol=ROUNDING)
     np.testing.assert_allclose(shifted, translations, atol=ROUNDING)
