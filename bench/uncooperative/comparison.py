@@ -63,6 +63,7 @@ class Measured:
     filtered, raw, median_run, worst_share : float or None
     single_bound, filter_bound : float
     no_state, no_pose : float
+    runs : int
     """
 
     unit: str
@@ -74,6 +75,7 @@ class Measured:
     filter_bound: float
     no_state: float
     no_pose: float
+    runs: int
 
 
 def compared(results: Results) -> list[Compared]:
@@ -144,9 +146,12 @@ def _acquisition_cells(acquired: AcquiredCase, figures: dict[str, list[float]]) 
          paper.attitude_std_deg),
     )  # fmt: skip
     return [
-        _cell("table5", row, quantity, unit, own, ours, theirs, _why_acquisition(paper, best, unit))
+        _cell(
+            "table5", row, quantity, unit, own, ours, theirs,
+            _why_acquisition(paper, best, unit, own, acquired.single_bound[unit]),
+        )
         for quantity, unit, own, ours, theirs in columns
-    ]
+    ]  # fmt: skip
 
 
 def _tracking_cells(
@@ -172,7 +177,7 @@ def position_measured(paper: TrackingSummary, bound: BoundSummary) -> Measured:
     return Measured(
         "m", paper.position_m, paper.raw_position_m, paper.median_run_position_m,
         paper.worst_run_share_position, bound.raw_position_m, bound.position_m,
-        paper.no_state, paper.no_pose,
+        paper.no_state, paper.no_pose, paper.runs,
     )  # fmt: skip
 
 
@@ -181,7 +186,7 @@ def attitude_measured(paper: TrackingSummary, bound: BoundSummary) -> Measured:
     return Measured(
         "deg", paper.attitude_deg, paper.raw_attitude_deg, paper.median_run_attitude_deg,
         paper.worst_run_share_attitude, bound.raw_attitude_deg, bound.attitude_deg,
-        paper.no_state, paper.no_pose,
+        paper.no_state, paper.no_pose, paper.runs,
     )  # fmt: skip
 
 
@@ -191,7 +196,8 @@ def why_tracking(one: Measured, figure: float) -> str:
         return f"No state in {_percent(one.no_state)} of the frames of the window."
     ratio = one.filtered / figure
     parts = []
-    if one.median_run and one.worst_share is not None and one.worst_share > WORST_HEAVY:
+    heavy = max(WORST_HEAVY, FACTOR / one.runs)  # of two runs one always makes half
+    if one.median_run and one.worst_share is not None and one.worst_share > heavy:
         parts.append(
             f"one run makes {_percent(one.worst_share)} of the sum of squares; the median run has "
             f"{_with_unit(one.median_run, one.unit)}, {_times(one.median_run / figure)} the "
@@ -221,7 +227,9 @@ def why_tracking(one: Measured, figure: float) -> str:
     return text[0].upper() + text[1:] + "."
 
 
-def _why_acquisition(paper: AcquisitionSummary, best: AcquisitionSummary, unit: str) -> str:
+def _why_acquisition(
+    paper: AcquisitionSummary, best: AcquisitionSummary, unit: str, figure: float, bound: float
+) -> str:
     if not paper.acquired:
         return f"None of {paper.runs} runs acquired."
     median = paper.median_position_m if unit == "m" else paper.median_attitude_deg
@@ -238,6 +246,10 @@ def _why_acquisition(paper: AcquisitionSummary, best: AcquisitionSummary, unit: 
             f"least squares over all matches, as in best, gives {_with_unit(own, unit)} on the "
             "same points"
         )
+    parts.append(
+        f"the Cramér–Rao bound of all landmarks in one image is {_with_unit(bound, unit)} rms, and "
+        f"the published figure {_times(figure / bound)} that"
+    )
     return "; ".join(parts) + "."
 
 

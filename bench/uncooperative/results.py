@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from bench.suites.units import Outcome, WorkUnit, done_outcome
-from bench.uncooperative.cases import Case, case
+from bench.uncooperative.cases import Case, case, published, tumble_of
+from bench.uncooperative.filter_bound import pose_information
 from bench.uncooperative.plan import (
     ACQUIRED_CASES,
+    CAMERA,
     RATE_HZ,
     TABLE_RUNS,
     VARIANTS,
@@ -28,6 +30,10 @@ from bench.uncooperative.summaries import (
     steady,
     tracking_summary,
 )
+from models.camera import camera_preset
+from models.spacecraft.wireframes import wireframe_by_name
+
+BOUND_MOMENTS = 60
 
 
 @dataclass(frozen=True)
@@ -43,12 +49,15 @@ class AcquiredCase:
         By variant: all runs.
     seconds : dict
         By variant: mean, standard deviation and largest time of a run, s. Never the same twice.
+    single_bound : dict
+        Root mean square over the tumble of the bound of one image, m and deg, by unit.
     """
 
     case: Case
     table: dict[str, AcquisitionSummary]
     whole: dict[str, AcquisitionSummary]
     seconds: dict[str, tuple[float, float, float]]
+    single_bound: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -145,7 +154,22 @@ class Outcomes:
                 v: (float(each.mean()), float(each.std()), float(each.max()))
                 for v, each in seconds.items()
             },
+            single_bound=self._single_bound(own),
         )
+
+    def _single_bound(self, own: Case) -> dict[str, float]:
+        """Return the bound of one image with the noise of Table 5, over moments of the tumble."""
+        sigma_px = published()["noise"]["acquisition"]["sigma_pix"]
+        span_s = self.plan.sizes.duration_s
+        tumble = tumble_of(own, span_s)
+        target, camera = wireframe_by_name(own.target), camera_preset(CAMERA)
+        bounds = [
+            np.linalg.inv(pose_information(tumble, target, camera, sigma_px, time_s))
+            for time_s in np.linspace(0.0, span_s, BOUND_MOMENTS)
+        ]
+        squares = np.array([[np.trace(b[:3, :3]), np.trace(b[3:, 3:])] for b in bounds])
+        position_m, turn_rad = np.sqrt(squares.mean(axis=0)).tolist()
+        return {"m": position_m, "deg": float(np.rad2deg(turn_rad))}
 
     def _tracked(self, cell: Cell) -> TrackedCell:
         bound = self.bound(cell)

@@ -140,13 +140,14 @@ def test_cases_are_those_of_table_4():
 
 
 def test_a_figure_is_explained_by_what_weighs_most():
-    even = Measured("m", 0.03, 0.09, 0.03, 0.1, 0.045, 0.004, 0.0, 0.0)
+    even = Measured("m", 0.03, 0.09, 0.03, 0.1, 0.045, 0.004, 0.0, 0.0, runs=50)
     text = why_tracking(even, 0.01)
     assert "0.0900 m rms, 2.0 times the Cramér–Rao bound" in text
     assert "divides that by 3.00" in text
     assert "would take a division by 9.00" in text
     one_run = replace(even, worst_share=0.9, median_run=0.011)
     assert why_tracking(one_run, 0.01).startswith("One run makes 90 % of the sum of squares")
+    assert not why_tracking(replace(one_run, runs=1), 0.01).startswith("One run")
     better = why_tracking(replace(even, filtered=0.004), 0.01)
     assert "the published figure is 0.22 times the bound of one image" in better
     assert "No state in 100 % of the frames" in why_tracking(
