@@ -14,15 +14,28 @@ from models.estimate import Detections, Estimate, NoPose, PoseEstimate
 from models.pose import RigidTransform
 from models.uncooperative import ImageFrame, PointFrame, UncooperativeKnowledge
 from models.wireframe_visibility import visible_landmarks
-from pipelines.acquisition.from_image import ImageAcquirer, ImageAcquisitionOptions, edge_image
+from pipelines.acquisition.from_image import (
+    FoundPose,
+    ImageAcquirer,
+    ImageAcquisitionOptions,
+    edge_image,
+)
 from pipelines.detection.corners import Corners, corners_of, find_corners
 from pipelines.point_pose_finder import PointPoseFinder
 from pipelines.tracking.edge_fit import EdgeFit, EdgeImage
-from pipelines.tracking.from_image import ImageTrackingOptions, fit_covariance, track_in_image
+from pipelines.tracking.from_image import (
+    ImageTrackingOptions,
+    fit_covariance,
+    spread_px,
+    track_in_image,
+)
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.uncooperative_options import UncooperativeOptions
 
 NAMED_WITHIN_PX = 3.0  # of 1024 columns: a corner this near to a landmark is it
+SECOND_OPINION_EVERY = 5
+CLEARLY_BETTER = 0.04
+FAR_SPREAD_PX = 12.0  # a prediction that may miss by more is good for little
 POINTS_AS_PRINTED = 25  # the most distinct corners; Algorithm 1 takes no clutter
 
 
@@ -60,6 +73,7 @@ class ImagePoseFinder:
             self._acquisition,
         )
         self._share = 0.0
+        self._unsure_frames = 0
 
     def acquire(self, frame: ImageFrame) -> Estimate:
         """Find the pose without any earlier one."""
@@ -77,11 +91,32 @@ class ImagePoseFinder:
             return self._by_points.track(self._points(frame), predicted, covariance)
         image = self._edge_image(frame)
         tracked = track_in_image(image, self._edges, predicted, covariance, self._tracking)
+        score = 0.0 if isinstance(tracked, str) else tracked.check.score
+        wide = spread_px(image.camera, self._edges, predicted, covariance)
+        sure = score >= self._tracking.sure_score
+        self._unsure_frames = 0 if sure else self._unsure_frames + 1
+        if wide > FAR_SPREAD_PX or self._unsure_frames % SECOND_OPINION_EVERY == 1:
+            better = self._second_opinion(frame, score)
+            if better is not None:
+                share = better.check.supported if wide > FAR_SPREAD_PX else 0.0
+                return self._said(frame, image, better.fit, share)
         if isinstance(tracked, str):
             return self._none(frame, tracked, image)
         if tracked.doubt:
             return self._none(frame, tracked.doubt, image)
         return self._said(frame, image, tracked.fit, tracked.check.supported)
+
+    def _second_opinion(self, frame: ImageFrame, score: float) -> FoundPose | None:
+        """Look anew, as if nothing were known; return a pose that fits clearly better.
+
+        It takes as long as ten tracked frames, so it is had only where the prediction is good for
+        little, and at the first and then every fifth of frames in a row that fit poorly. A better
+        pose than the one near a sure prediction puts all of late in doubt: its share is none.
+        """
+        found = self._acquirer.acquire(frame.image).found
+        if found is None or found.check.score < score + CLEARLY_BETTER:
+            return None
+        return found
 
     def matched_share(self, frame: ImageFrame, estimate: Estimate) -> float:
         """Return the share of the visible edges in any light that the last pose has found."""

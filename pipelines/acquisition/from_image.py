@@ -19,7 +19,7 @@ from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensor import Detector
 from models.wireframe import Wireframe
-from pipelines.acquisition.view_search import search_views
+from pipelines.acquisition.view_search import PARTLY_LIT, Hypothesis, search_views
 from pipelines.acquisition.view_sphere import view_sphere
 from pipelines.detection.edge_map import find_edges
 from pipelines.detection.target_region import find_target
@@ -42,6 +42,10 @@ class ImageAcquisitionOptions:
         How many of the likeliest are laid on the coarse image,
     finalists : int
         and how many of these on the fine one.
+    sure_score : float
+        Of ``PoseCheck``: where the best has less, much of the target may be in the dark, and
+    more_views : int
+        of the likeliest are tried with size and place varied widely.
     least_score : float
         Of ``PoseCheck``: less fits no image.
     margin : float
@@ -54,9 +58,11 @@ class ImageAcquisitionOptions:
     fine_width: int = 1024
     views: int = 40
     finalists: int = 6
+    sure_score: float = 0.75
+    more_views: int = 60
     coarse_reaches_px: tuple[float, ...] = (16.0, 10.0, 5.0)
     fine_reaches_px: tuple[float, ...] = (8.0, 5.0, 4.0)
-    least_score: float = 0.45
+    least_score: float = 0.5
     margin: float = 0.04
     apart_deg: float = 5.0
     apart_share: float = 0.05
@@ -141,21 +147,30 @@ class ImageAcquirer:
         if not coarse.target:
             return ImageAcquisition(None, "nothing in the image stands out of the sky")
         sphere = view_sphere(self._wireframe, self._range_rung(coarse))
+        fine = edge_image(image, self._camera, self._detector, options.fine_width)
+        finals = self._laid(search_views(coarse, sphere, options.views), coarse, fine)
+        if not finals or finals[0].check.score < options.sure_score:
+            views = search_views(coarse, sphere, options.more_views, PARTLY_LIT)
+            finals = self._different([*finals, *self._laid(views, coarse, fine)])
+        return self._judged(finals)
+
+    def _laid(self, views: list[Hypothesis], coarse: EdgeImage, fine: EdgeImage) -> list[FoundPose]:
+        """Lay views on the coarse image, and the best of them on the fine one."""
+        options = self._options
         tried = []
-        for view in search_views(coarse, sphere, options.views):
+        for view in views:
             fit = fit_edges(
                 coarse, self._coarse_edges, view.cam_from_target, options.coarse_reaches_px
             )
             if fit is not None and self._in_range(fit.cam_from_target):
                 check = check_pose(coarse, self._coarse_edges, fit.cam_from_target)
                 tried.append(FoundPose(fit, check))
-        fine = edge_image(image, self._camera, self._detector, options.fine_width)
         finals = []
         for rough in self._different(tried)[: options.finalists]:
             fit = fit_edges(fine, self._edges, rough.fit.cam_from_target, options.fine_reaches_px)
             if fit is not None and self._in_range(fit.cam_from_target):
                 finals.append(FoundPose(fit, check_pose(fine, self._edges, fit.cam_from_target)))
-        return self._judged(self._different(finals))
+        return self._different(finals)
 
     def _judged(self, finals: list[FoundPose]) -> ImageAcquisition:
         if not finals:

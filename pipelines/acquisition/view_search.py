@@ -28,11 +28,38 @@ from pipelines.acquisition.view_sphere import (
 from pipelines.tracking.edge_fit import EdgeImage
 
 ROLLS = 45
-SCALES = (0.85, 1.0, 1.17)  # of the lit part's size,
-SHIFTS = ((0.0, 0.0), (0.2, 0.2), (0.2, -0.2), (-0.2, 0.2), (-0.2, -0.2))  # in radii of gyration
+DIAGONALS = ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0))
 MOST_EDGE_POINTS = 1000
 EDGE_SHARE = 1.0  # what likeness of edges counts against that of silhouettes
 TURN_APART_DEG = 6.0  # two of the best nearer than this are one
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How the lit part's size and place are varied.
+
+    Attributes
+    ----------
+    scales : tuple of float
+        Of its size.
+    shifts : tuple of (float, float)
+        Of its centroid, in its radii of gyration.
+    """
+
+    scales: tuple[float, ...]
+    shifts: tuple[tuple[float, float], ...]
+
+
+MOSTLY_LIT = Spread((0.85, 1.0, 1.17), ((0.0, 0.0), *((0.2 * x, 0.2 * y) for x, y in DIAGONALS)))
+PARTLY_LIT = Spread(
+    (0.8, 1.0, 1.25, 1.55, 1.9),
+    (
+        (0.0, 0.0),
+        *((0.3 * x, 0.3 * y) for x, y in DIAGONALS),
+        *((0.75, 0.0), (-0.75, 0.0), (0.0, 0.75), (0.0, -0.75)),
+        *((0.6 * x, 0.6 * y) for x, y in DIAGONALS),
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +79,9 @@ class Hypothesis:
     likeness: float
 
 
-def search_views(image: EdgeImage, sphere: ViewSphere, count: int) -> list[Hypothesis]:
+def search_views(
+    image: EdgeImage, sphere: ViewSphere, count: int, spread: Spread = MOSTLY_LIT
+) -> list[Hypothesis]:
     """Return the ``count`` likeliest views of an image, the likeliest first.
 
     Parameters
@@ -61,6 +90,8 @@ def search_views(image: EdgeImage, sphere: ViewSphere, count: int) -> list[Hypot
         With something lit on it.
     sphere : ViewSphere
     count : int
+    spread : Spread
+        How much of the target may be in the dark.
     """
     centroid, gyration = shape_of(image.target.lit)
     row, column = np.nonzero(image.edge_map.edges)
@@ -72,10 +103,10 @@ def search_views(image: EdgeImage, sphere: ViewSphere, count: int) -> list[Hypot
     rolls = 2.0 * np.pi * np.arange(ROLLS) / ROLLS
     scores: list[Floats] = []
     settings: list[tuple[float, Floats]] = []
-    for scale in SCALES:
+    for scale in spread.scales:
         size = scale * gyration
         soft = cv2.GaussianBlur(lit, (0, 0), max(0.5 * size * REACH / (0.5 * CELLS), 0.3))
-        for shift in SHIFTS:
+        for shift in spread.shifts:
             centre = centroid + gyration * np.array(shift)
             scores.append(_likeness(soft, points, angle, centre, size, rolls, sphere))
             settings.append((size, centre))

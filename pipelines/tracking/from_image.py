@@ -46,8 +46,8 @@ class ImageTrackingOptions:
     nearest_px: float = 8.0
     farthest_px: float = 24.0
     least_score: float = 0.45
-    sure_score: float = 0.6
-    retries: int = 4
+    sure_score: float = 0.7
+    retries: int = 2
 
 
 @dataclass(frozen=True, eq=False)
