@@ -23,7 +23,7 @@ from bench.suites.units import Outcome, WorkUnit, done_outcome
 from bench.uncooperative.navigators import OURS, navigator, options_text
 from bench.uncooperative.plan import VARIANTS
 from models.atomic_file import write_text
-from models.dataset import FrameEntry, read_frame_entries
+from models.dataset import FILTERED, FrameEntry, image_path, read_frame_entries
 from models.errors import DatasetError, cause
 from models.estimate import PoseEstimate
 from models.image_dataset import (
@@ -139,7 +139,8 @@ def try_starts(
     """
     frames = chosen_starts([e.index for e in read_frame_entries(folder)], starts, most_images)
     home = folder / "estimates" / "starts"
-    units = {variant: _units(folder, variant, frames, navigator) for variant in VARIANTS}
+    dataset = public_fingerprint(folder)
+    units = {each: _units(folder, dataset, each, frames, navigator) for each in VARIANTS}
     do_units([unit for own in units.values() for unit in own], home, workers,
              Console(stderr=True))  # fmt: skip
     return [
@@ -149,7 +150,11 @@ def try_starts(
 
 
 def _units(
-    folder: Path, variant: str, frames: tuple[tuple[int, ...], ...], navigator: str
+    folder: Path,
+    dataset: str,
+    variant: str,
+    frames: tuple[tuple[int, ...], ...],
+    navigator: str,
 ) -> list[WorkUnit]:
     return [
         WorkUnit(
@@ -157,7 +162,7 @@ def _units(
             work=tried,
             task=StartsTask(
                 folder=str(folder.resolve()),
-                dataset=public_fingerprint(folder),
+                dataset=dataset,
                 navigator=navigator,
                 variant=variant,
                 options=options_text(navigator, variant),
@@ -172,10 +177,10 @@ def _units(
 
 
 def public_fingerprint(folder: Path) -> str:
-    """Return a hash of what makes a dataset's public half, images by the files that list them."""
+    """Return a hash of a dataset's public half, its images too."""
     digest = hashlib.sha256()
-    for name in PUBLIC:
-        path = folder / name
+    images = [image_path(folder, entry.index, FILTERED) for entry in read_frame_entries(folder)]
+    for path in [*(folder / name for name in PUBLIC), *images]:
         digest.update(path.read_bytes() if path.is_file() else b"")
     return digest.hexdigest()
 

@@ -7,8 +7,9 @@ has no error and is counted beside, never dropped in silence.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.stats import binomtest, chi2
@@ -277,8 +278,7 @@ def _beyond(position_m: Floats, attitude_deg: Floats) -> Mask:
     return np.asarray((position_m > WRONG_M) | (attitude_deg > WRONG_DEG))
 
 
-def _statistic(what: object, values: Floats) -> float | None:
-    assert callable(what)
+def _statistic(what: Callable[[Floats], Any], values: Floats) -> float | None:
     return float(what(values)) if values.size else None
 
 
