@@ -277,16 +277,17 @@ def _checks(scored: TumbleVariant, target: str) -> list[dict[str, Any]]:
 
     def at_most(what: str, asked: float, unit: str, measured: float | None) -> None:
         holds = None if measured is None else measured <= asked
-        checks.append((what, f"at most {asked:g}{unit}", measured, holds))
+        text = f"{100.0 * asked:g} %" if unit == "%" else f"{asked:g} {unit}"
+        checks.append((what, f"at most {text}", measured, holds))
 
     if scored.starts is not None:
         share = scored.starts.within / scored.starts.starts
         asked = f"at least {100 * ASKED_STARTS:g} %"
         checks.append(("starts acquired rightly", asked, share, share >= ASKED_STARTS))
-    at_most("median position error", position_m, " m", scored.position_m.median)
-    at_most("median attitude error", attitude_deg, " deg", scored.attitude_deg.median)
-    at_most("frames lost once acquired", ASKED_LOST, "", scored.lost_share)
-    at_most("longest run of wrong states", ASKED_WRONG_RUN, " frames", scored.longest_wrong)
+    at_most("median position error", position_m, "m", scored.position_m.median)
+    at_most("median attitude error", attitude_deg, "deg", scored.attitude_deg.median)
+    at_most("frames lost once acquired", ASKED_LOST, "%", scored.lost_share)
+    at_most("longest run of wrong states", ASKED_WRONG_RUN, "frames", scored.longest_wrong)
     return [
         {"what": what, "asked": asked, "measured": measured, "holds": holds}
         for what, asked, measured, holds in checks
