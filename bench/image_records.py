@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
 from bench.frame_records import PREFERRED
 from bench.runs import estimates_path
 from bench.wireframe_overlay import estimated_pose
@@ -17,7 +20,7 @@ from models.image_dataset import (
     read_uncooperative_knowledge,
 )
 from models.navigation_estimates_file import read_navigation_estimates
-from models.pose import RigidTransform, pose_error
+from models.pose import RigidTransform
 from models.uncooperative import ImageFrame, NavigationEstimate, UncooperativeKnowledge
 from renders.image_truth import ImageTruth, read_image_truths
 
@@ -65,11 +68,12 @@ class ImageRecord:
         pose = self.estimated_pose
         if pose is None or self.truth is None:
             return said
-        error = pose_error(pose, self.truth.cam_from_target)
-        x, y, z = 1e3 * error.position_m
+        truth = self.truth.cam_from_target
+        x, y, z = 1e3 * (pose.translation - truth.translation)
+        # No 3-2-1 angles: a tumble passes through their singularity.
+        turn_deg = np.rad2deg(Rotation.from_matrix(pose.rotation @ truth.rotation.T).magnitude())
         return (
-            f"{said}: position error {x:+.0f}, {y:+.0f}, {z:+.0f} mm; "
-            f"attitude {error.attitude_deg:.2f} deg"
+            f"{said}: position error {x:+.0f}, {y:+.0f}, {z:+.0f} mm; attitude {turn_deg:.2f} deg"
         )
 
 

@@ -89,12 +89,13 @@ def write_images(
     folder: Path,
     frames: int = 4,
     step_s: float = 3.0,
+    start_s: float = 0.0,
     target_name: str = "xmm",
     width_px: int = WIDTH_PX,
 ) -> SyntheticImages:
     """Write both halves of a dataset."""
     camera = camera_preset("chaser_fixed").resized(width_px)
-    target, tumble = wireframe_by_name(target_name), small_tumble(frames * step_s)
+    target, tumble = wireframe_by_name(target_name), small_tumble(start_s + frames * step_s)
     knowledge = UncooperativeKnowledge(
         camera=camera,
         target=target,
@@ -102,11 +103,11 @@ def write_images(
         sigma_px=0.7,
         chaser_sigma_m=10.0,
         chaser_sigma_m_s=0.1,
-        range_m=(20.0, 40.0),
+        range_m=(29.0, 31.0),
         detector=Detector(),
         inertia_kg_m2=tumble.inertia_kg_m2,
     )
-    entries = tuple(FrameEntry(k, step_s * k, 4.0) for k in range(frames))
+    entries = tuple(FrameEntry(k, start_s + step_s * k, 4.0) for k in range(frames))
     info = DatasetInfo("painted", "1,0,0", frames, target_name, {}, FORMAT)
     chaser = [
         (e.index, corrupted(tumble.chaser_state(e.time_s), seed=1, run=0, frame=e.index))
