@@ -14,7 +14,9 @@ from pathlib import Path
 import pytest
 
 from bench import api
+from models.navigation_estimates_file import read_navigation_estimates
 from tests.support.synthetic_dataset import write_dataset
+from tests.support.synthetic_images import write_images
 
 HOUSE = Path(__file__).resolve().parents[2]
 VARIANTS = ("paper", "best")
@@ -34,9 +36,19 @@ print(json.dumps({"code": code, "loaded": sorted(roots), "opened": opened}))
 """
 
 
-def watched(*arguments: str) -> dict:
+# The same for single images; the trial of many starts is that pipeline again: it is loaded only.
+WATCHED_IMAGES = WATCHED.replace(
+    "from bench.cli import main\ncode = main(sys.argv[1:])",
+    "from pathlib import Path\n"
+    "import bench.uncooperative.starts\n"
+    "from bench.image_estimation import estimate_image_dataset\n"
+    "code = len(estimate_image_dataset(Path(sys.argv[1])))",
+)
+
+
+def watched(*arguments: str, program: str = WATCHED) -> dict:
     result = subprocess.run(
-        [sys.executable, "-c", WATCHED, *arguments],
+        [sys.executable, "-c", program, *arguments],
         cwd=HOUSE,
         env={**os.environ, "PYTHONPATH": str(HOUSE)},
         capture_output=True,
@@ -90,6 +102,26 @@ def test_scoring_reporting_and_showing_load_no_mitsuba(whole, verb):
     assert did["code"] == 0
     assert {"mitsuba", "drjit"}.isdisjoint(did["loaded"])
     assert [path for path in did["opened"] if "truth" in Path(path).parts]
+
+
+def test_single_images_are_estimated_the_same_to_the_byte_without_truth(tmp_path):
+    seeing, blind = tmp_path / "seeing", tmp_path / "blind"
+    write_images(seeing, frames=1, start_s=100.0, width_px=128)
+    shutil.copytree(seeing, blind)
+    shutil.rmtree(blind / "truth")
+    for folder in (seeing, blind):
+        did = watched(str(folder), program=WATCHED_IMAGES)
+        assert did["code"] == len(VARIANTS)
+        assert {"renders", "mitsuba", "drjit"}.isdisjoint(did["loaded"])
+        assert any(str(folder / "frames") in path for path in did["opened"])
+        assert not [path for path in did["opened"] if "truth" in Path(path).parts]
+    for variant in VARIANTS:
+        name = f"{variant}.jsonl"
+        said = (blind / "estimates" / name).read_bytes()
+        assert said == (seeing / "estimates" / name).read_bytes()
+        assert said.count(b"\n") == 1
+    best = read_navigation_estimates(blind / "estimates" / "best.jsonl")
+    assert any(best)  # blind, and yet it sees
 
 
 def test_the_watch_sees_what_it_watches_for(whole):
