@@ -125,10 +125,11 @@ def is_done(folder: Path, unit: WorkUnit) -> bool:
 
 def read_outcome(folder: Path, unit: WorkUnit) -> Outcome | None:
     """Return what a unit came to; None if it is not done, or was of another task or code."""
+    key = unit.key  # now: what a process is handed later is the unit of this code
     try:
         stream = io.BytesIO(outcome_path(folder, unit).read_bytes())
         with np.load(stream, allow_pickle=False) as file:
-            if str(file[KEY]) != unit.key:
+            if str(file[KEY]) != key:
                 return None
             values = {name: file[name] for name in file.files if name != KEY}
         seconds = np.array(json.loads(seconds_path(folder, unit).read_text()), dtype=np.float64)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from bench.uncooperative.acquisition_trial import WRONG_DEG, WRONG_M
 from bench.uncooperative.frame_judgement import FrameJudgement, confusion_of, judged
 from bench.uncooperative.navigation_errors import pose_error_sizes
 from bench.uncooperative.starts import read_starts
+from bench.uncooperative.summaries import without_numbers
 from bench.uncooperative.tumble_score_card import (
     FORMAT,
     VERSION,
@@ -125,7 +126,7 @@ def variant_score(
         first_state=first,
         lost=lost,
         lost_share=lost / len(after) if after else None,
-        reasons=dict(Counter(e.reason for e in frames if e.reason is not None).most_common()),
+        reasons=_counted(e.reason for e in frames if e.reason is not None),
         modes=dict(Counter(each.mode for each in frames)),
         position_m=_sizes(frames, "position_m"),
         attitude_deg=_sizes(frames, "attitude_deg"),
@@ -267,8 +268,12 @@ def starts_score(
         position_m=sizes([each[0] for each in right]),
         attitude_deg=sizes([each[1] for each in right]),
         seconds=sizes([each.seconds for each in starts]),
-        reasons=dict(Counter(each.reason for each in starts if not each.images).most_common()),
+        reasons=_counted(each.reason for each in starts if not each.images),
     )
+
+
+def _counted(reasons: Iterable[str]) -> dict[str, int]:
+    return dict(Counter(map(without_numbers, reasons)).most_common())
 
 
 def _checks(scored: TumbleVariant, target: str) -> list[dict[str, Any]]:

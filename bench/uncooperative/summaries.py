@@ -6,6 +6,7 @@ has no error and is counted beside, never dropped in silence.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -182,7 +183,8 @@ def tracking_summary(outcomes: Sequence[Outcome], window: slice) -> TrackingSumm
     reasons: Counter[str] = Counter()
     for outcome in outcomes:
         told = zip(outcome.values["reasons"], outcome.values["reason_counts"], strict=True)
-        reasons.update({str(reason): int(times) for reason, times in told})
+        for reason, times in told:
+            reasons[without_numbers(str(reason))] += int(times)
     finite = attitude[np.isfinite(attitude)]
     return TrackingSummary(
         runs=len(outcomes),
@@ -221,6 +223,11 @@ def bound_summary(outcome: Outcome, window: slice) -> BoundSummary:
             for name, values in outcome.values.items()
         }
     )
+
+
+def without_numbers(reason: str) -> str:
+    """Return a reason with its numbers left out, so that like ones count together."""
+    return re.sub(r"\d+(\.\d+)?", "…", reason)
 
 
 def consistency(squares: Floats, dof: int) -> Consistency:

@@ -2,6 +2,7 @@
 
 import io
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from bench.suites.spread import Pace, do_units, one_of_each_kind_first
-from bench.suites.units import outcome_path
+from bench.suites.units import is_done, outcome_path
 from tests.support.suite_work import draw_units
 
 HOUSE = Path(__file__).resolve().parents[3]
@@ -68,6 +69,18 @@ def test_a_killed_suite_goes_on_from_whole_files(tmp_path):
         straight = outcome_path(tmp_path / "straight", unit).read_bytes()
         assert outcome_path(tmp_path, unit).read_bytes() == straight
         assert written.get(unit.name, straight) == straight
+
+
+def test_a_unit_keeps_the_key_of_the_code_that_it_was_planned_with(tmp_path, monkeypatch):
+    """Who edits the code while a suite runs must not make its outcomes stale at its end."""
+    units = draw_units(2)
+    keys = [unit.key for unit in draw_units(2)]
+    for unit in units:
+        assert not is_done(tmp_path, unit)
+    monkeypatch.setattr("bench.suites.units.code_fingerprint", lambda *_: "edited meanwhile")
+    handed_over = pickle.loads(pickle.dumps(units))
+    assert [unit.key for unit in handed_over] == keys
+    assert draw_units(1)[0].key != keys[0]
 
 
 def test_one_of_each_kind_comes_first():

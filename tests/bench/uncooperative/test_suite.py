@@ -156,9 +156,12 @@ def test_a_figure_is_explained_by_what_weighs_most():
 
 
 def test_a_filter_stands_between_its_poses_and_its_bound():
-    assert standing(0.1, 0.02, 0.01) == "between"
-    assert standing(0.1, 0.12, 0.01) == "no better than the pose"
-    assert standing(0.1, 0.005, 0.01) == "below its bound"
+    assert standing(0.1, 0.02, 0.01, 50) == "between"
+    assert standing(0.1, 0.12, 0.01, 50) == "no better than the pose"
+    assert standing(0.1, 0.005, 0.01, 50) == "below its bound"
+    assert standing(0.1, 0.008, 0.01, 4) == "at its bound"  # of four runs, by chance
+    assert standing(0.1, 0.008, 0.01, 50) == "below its bound"
+    assert standing(None, 0.008, 0.01, 50) == "–"
 
 
 def test_outcomes_of_another_plan_are_not_taken(done):

@@ -26,8 +26,8 @@ def run(seed: int, size: float = 1.0, lost: slice = slice(0)) -> Outcome:
     for column in values.values():
         column[lost] = np.nan
     values["mode"] = np.full(FRAMES, 2, dtype=np.int8)
-    values["reasons"] = np.array(["dark"])
-    values["reason_counts"] = np.array([2])
+    values["reasons"] = np.array(["dark by 1.5", "dark by 20"])
+    values["reason_counts"] = np.array([1, 1])
     return Outcome(values, NO_TIME)
 
 
@@ -47,7 +47,7 @@ def test_errors_are_pooled_over_runs_and_frames():
     assert found.first_run_position_m == pytest.approx(np.sqrt(np.mean(own**2)))
     assert found.worst_run_share_position < 2.0 / RUNS
     assert found.modes["tracked"] == count
-    assert found.reasons == {"dark": 2 * RUNS}
+    assert found.reasons == {"dark by …": 2 * RUNS}
 
 
 def test_a_lost_frame_is_counted_and_has_no_error():
