@@ -17,10 +17,11 @@ from renders.scenario import Scenario
 from renders.silhouette import MARGIN_PX, pixels_in_view, sees
 from renders.tumble_world import TumbleWorld, world_of
 from renders.windows import window_around
-from tests.support.small_scenes import activate_best
+from tests.support.small_scenes import needs_jit
 from tests.support.tumble_scenario import tumble_table
 
-ROUNDING = 1e-6  # 32 bits: a cropped film counts its pixels from another corner
+ROUNDING_M = 1e-4  # 32 bits: a cropped film counts its pixels from elsewhere; more where aslant
+UNIT_ROUNDING = 1e-6
 CAMERA = Camera.from_fov(64, 48, 50.0)
 
 
@@ -77,7 +78,7 @@ def test_the_earth_is_seen_where_its_limb_is_in_the_image(
 
 def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -> None:
     """A random number depends on its pixel alone, and what is left out is black."""
-    variant = activate_best()
+    needs_jit()  # without it a tree is built for every group, and windows draw their own samples
     from renders.batch import Studio
     from renders.light_keys import LightKeys
     from renders.store import RadianceStore
@@ -99,13 +100,12 @@ def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -
         truths.append(studio.pixel_truth(pose))
     few, every = images
     assert few.keys() == every.keys()
-    if not variant.startswith("scalar"):  # whose windows draw samples of their own
-        for name, image in few.items():
-            np.testing.assert_array_equal(image, every[name])
-        assert max(float(image.max()) for image in few.values()) > 0.0
+    for name, image in few.items():
+        np.testing.assert_array_equal(image, every[name])
+    assert max(float(image.max()) for image in few.values()) > 0.0
     np.testing.assert_array_equal(truths[0].labels, truths[1].labels)
-    np.testing.assert_allclose(truths[0].depth_m, truths[1].depth_m, rtol=ROUNDING)
+    np.testing.assert_allclose(truths[0].depth_m, truths[1].depth_m, atol=ROUNDING_M)
     np.testing.assert_allclose(
-        truths[0].normals_in_target, truths[1].normals_in_target, atol=ROUNDING
+        truths[0].normals_in_target, truths[1].normals_in_target, atol=UNIT_ROUNDING
     )
     assert 0.005 < (truths[0].labels > 0).mean() < 0.3
