@@ -30,6 +30,7 @@ from pipelines.tracking.from_image import (
     track_in_image,
 )
 from pipelines.tracking.model_edges import ModelEdges
+from pipelines.tracking.pose_check import PoseCheck
 from pipelines.uncooperative_options import UncooperativeOptions
 
 NAMED_WITHIN_PX = 3.0  # of 1024 columns: a corner this near to a landmark is it
@@ -83,7 +84,7 @@ class ImagePoseFinder:
         if outcome.found is None:
             return self._none(frame, outcome.reason)
         image = self._edge_image(frame)
-        return self._said(frame, image, outcome.found.fit, outcome.found.check.supported)
+        return self._said(frame, image, outcome.found.fit, outcome.found.check)
 
     def track(self, frame: ImageFrame, predicted: RigidTransform, covariance: Floats) -> Estimate:
         """Find the pose near a predicted one."""
@@ -98,13 +99,15 @@ class ImagePoseFinder:
         if wide > FAR_SPREAD_PX or self._unsure_frames % SECOND_OPINION_EVERY == 1:
             better = self._second_opinion(frame, score)
             if better is not None:
-                share = better.check.supported if wide > FAR_SPREAD_PX else 0.0
-                return self._said(frame, image, better.fit, share)
+                estimate = self._said(frame, image, better.fit, better.check)
+                if wide < FAR_SPREAD_PX:
+                    self._share = 0.0
+                return estimate
         if isinstance(tracked, str):
             return self._none(frame, tracked, image)
         if tracked.doubt:
             return self._none(frame, tracked.doubt, image)
-        return self._said(frame, image, tracked.fit, tracked.check.supported)
+        return self._said(frame, image, tracked.fit, tracked.check)
 
     def _second_opinion(self, frame: ImageFrame, score: float) -> FoundPose | None:
         """Look anew, as if nothing were known; return a pose that fits clearly better.
@@ -139,11 +142,13 @@ class ImagePoseFinder:
 
     # What to say.
 
-    def _said(self, frame: ImageFrame, image: EdgeImage, fit: EdgeFit, share: float) -> Estimate:
-        covariance = fit_covariance(fit, image.camera)
+    def _said(
+        self, frame: ImageFrame, image: EdgeImage, fit: EdgeFit, check: PoseCheck
+    ) -> Estimate:
+        covariance = fit_covariance(fit, image.camera, check.outside)
         if covariance is None:
             return self._none(frame, "the edges found do not determine a pose", image)
-        self._share = share
+        self._share = check.supported
         scale = self._knowledge.camera.width / image.camera.width
         return PoseEstimate(
             frame=frame.index,

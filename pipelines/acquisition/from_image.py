@@ -38,6 +38,8 @@ class ImageAcquisitionOptions:
     ----------
     coarse_width, fine_width : int, px
         Images wider than this are reduced, for the search and for the last fit.
+    directions : int
+        From how many the target is seen, off-line.
     views : int
         How many of the likeliest are laid on the coarse image,
     finalists : int
@@ -48,6 +50,9 @@ class ImageAcquisitionOptions:
         of the likeliest are tried with size and place varied widely.
     least_score : float
         Of ``PoseCheck``: less fits no image.
+    least_supported, most_outside : float
+        Share of the edges in light that must be found, and of the light that may lie outside of
+        the silhouette, whatever the score.
     margin : float
         By how much the best must beat the next that is another pose, relative.
     apart_deg, apart_share : float
@@ -56,13 +61,16 @@ class ImageAcquisitionOptions:
 
     coarse_width: int = 512
     fine_width: int = 1024
+    directions: int = 800
     views: int = 40
     finalists: int = 6
     sure_score: float = 0.75
-    more_views: int = 60
+    more_views: int = 40
     coarse_reaches_px: tuple[float, ...] = (16.0, 10.0, 5.0)
     fine_reaches_px: tuple[float, ...] = (8.0, 5.0, 4.0)
     least_score: float = 0.5
+    least_supported: float = 0.75
+    most_outside: float = 0.1
     margin: float = 0.04
     apart_deg: float = 5.0
     apart_share: float = 0.05
@@ -146,7 +154,7 @@ class ImageAcquirer:
         coarse = edge_image(image, self._camera, self._detector, options.coarse_width)
         if not coarse.target:
             return ImageAcquisition(None, "nothing in the image stands out of the sky")
-        sphere = view_sphere(self._wireframe, self._range_rung(coarse))
+        sphere = view_sphere(self._wireframe, self._range_rung(coarse), options.directions)
         fine = edge_image(image, self._camera, self._detector, options.fine_width)
         finals = self._laid(search_views(coarse, sphere, options.views), coarse, fine)
         if not finals or finals[0].check.score < options.sure_score:
@@ -177,11 +185,13 @@ class ImageAcquirer:
             return ImageAcquisition(None, "no view of the target can be laid on the image's edges")
         best, others = finals[0], tuple(finals[1:])
         score, least = best.check.score, self._options.least_score
-        if score < least:
+        if not self._believable(best.check):
             reason = (
-                f"the best of all views fits the image by {score:.2f}, {least:.2f} is needed: "
-                f"{100 * best.check.supported:.0f} % of its edges are found and "
-                f"{100 * best.check.outside:.0f} % of the light is outside it"
+                f"the best of all views does not fit the image: score {score:.2f} "
+                f"(at least {least:.2f}), {100 * best.check.supported:.0f} % of its edges found "
+                f"(at least {100 * self._options.least_supported:.0f} %), "
+                f"{100 * best.check.outside:.0f} % of the light outside it "
+                f"(at most {100 * self._options.most_outside:.0f} %)"
             )
             return ImageAcquisition(None, reason, tuple(finals))
         if others and others[0].check.score > (1.0 - self._options.margin) * score:
@@ -194,6 +204,14 @@ class ImageAcquirer:
             )
             return ImageAcquisition(None, reason, tuple(finals))
         return ImageAcquisition(best, "", others)
+
+    def _believable(self, check: PoseCheck) -> bool:
+        options = self._options
+        return (
+            check.score >= options.least_score
+            and check.supported >= options.least_supported
+            and check.outside <= options.most_outside
+        )
 
     def _different(self, found: list[FoundPose]) -> list[FoundPose]:
         """Sort poses, the best first, and keep one of each that are the same."""

@@ -52,12 +52,11 @@ class Spread:
 
 MOSTLY_LIT = Spread((0.85, 1.0, 1.17), ((0.0, 0.0), *((0.2 * x, 0.2 * y) for x, y in DIAGONALS)))
 PARTLY_LIT = Spread(
-    (0.8, 1.0, 1.25, 1.55, 1.9),
+    (0.85, 1.1, 1.4, 1.8),
     (
         (0.0, 0.0),
         *((0.3 * x, 0.3 * y) for x, y in DIAGONALS),
         *((0.75, 0.0), (-0.75, 0.0), (0.0, 0.75), (0.0, -0.75)),
-        *((0.6 * x, 0.6 * y) for x, y in DIAGONALS),
     ),
 )
 

@@ -20,7 +20,6 @@ from models.pose import RigidTransform
 from models.wireframe import Wireframe
 from pipelines.tracking.model_edges import EdgeSamples, ModelEdges
 
-VIEWS = 800  # about 8 deg apart
 CELLS = 36  # of a side of the small pictures,
 REACH = 2.6  # which end this many radii of gyration from the centroid
 EDGE_DIRECTIONS = 4
@@ -140,7 +139,7 @@ def centred(picture: Radiance) -> Radiance:
 
 
 @lru_cache(maxsize=8)
-def view_sphere(wireframe: Wireframe, range_m: float) -> ViewSphere:
+def view_sphere(wireframe: Wireframe, range_m: float, count: int) -> ViewSphere:
     """Look at a target from all around; kept in memory.
 
     Parameters
@@ -148,6 +147,8 @@ def view_sphere(wireframe: Wireframe, range_m: float) -> ViewSphere:
     wireframe : Wireframe
     range_m : float, m
         How far off; it matters for the perspective alone.
+    count : int
+        From how many directions; 800 are about 8 deg apart.
     """
     edges = ModelEdges(wireframe, MODEL_SAMPLES)
     half = 1.02 * wireframe.radius_m / np.sqrt(range_m**2 - wireframe.radius_m**2)
@@ -156,7 +157,7 @@ def view_sphere(wireframe: Wireframe, range_m: float) -> ViewSphere:
     centre = np.array([camera.cx, camera.cy])
     views, covered, drawn = [], [], []
     side = np.arange(CELLS) - 0.5 * (CELLS - 1)
-    for direction in directions_all_around(VIEWS):
+    for direction in directions_all_around(count):
         pose = look_from(direction, range_m)
         mask = edges.silhouette(camera, pose)
         centroid, gyration = shape_of(mask)

@@ -83,7 +83,9 @@ def corners_of(target: TargetRegion, detector: Detector | None = None) -> Corner
     rough = found.reshape(-1, 2).astype(np.float32)
     window = (WINDOW_PX, WINDOW_PX)
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 40, 0.01)
-    fine = cv2.cornerSubPix(smooth, rough.copy().reshape(-1, 1, 2), window, (-1, -1), stop)
+    # The light itself, since its logarithm is steepest outside of a bright edge.
+    light = cv2.GaussianBlur(target.signal[part], (0, 0), 0.5)
+    fine = cv2.cornerSubPix(light, rough.copy().reshape(-1, 1, 2), window, (-1, -1), stop)
     points = fine.reshape(-1, 2).astype(np.float64)
     moved = np.linalg.norm(points - rough, axis=1)
     sigma, clear = _noise_sigma(smooth, target, part, points, detector)

@@ -21,6 +21,7 @@ LEVELS = 255.0
 SAME_ANGLE_RAD = 0.05
 SAME_LINE_PX = 1.5
 LARGEST_GAP_PX = 8.0
+ALONG = 24  # places on a segment where it is laid on the light
 MEETING_PX = 6.0  # from the lines' ends to where they meet
 LEAST_ANGLE_RAD = 0.35
 LINE_SIGMA_PX = 0.15  # across, of a segment's ends
@@ -46,7 +47,37 @@ def find_segments(target: TargetRegion) -> Floats:
     segments = found.reshape(-1, 4).astype(np.float64) + np.array([left, top, left, top])
     length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     order = np.argsort(length)[::-1]
-    return merged(segments[order[length[order] >= SHORTEST_PX]])
+    lines = merged(segments[order[length[order] >= SHORTEST_PX]])
+    return _on_the_light(lines, target)
+
+
+def _on_the_light(segments: Floats, target: TargetRegion) -> Floats:
+    """Move segments across to where the light itself is steepest; its logarithm is so outside."""
+    if len(segments) == 0:
+        return segments
+    starts, ends = segments[:, None, :2], segments[:, None, 2:]
+    along = (ends - starts)[:, 0]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    across /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    share = np.linspace(0.1, 0.9, ALONG)[None, :, None]
+    offsets = 0.5 * np.arange(-6, 7)
+    middle = starts + share * (ends - starts)
+    places = middle[:, :, None] + offsets[None, None, :, None] * across[:, None, None]
+    x, y = places.reshape(-1, len(offsets), 2).astype(np.float32).transpose(2, 0, 1)
+    light = cv2.remap(target.signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    slope = np.abs(light[:, 2:] - light[:, :-2]).astype(np.float64)
+    weight = np.maximum(slope - 0.5 * slope.max(axis=1, keepdims=True), 0.0)
+    total = weight.sum(axis=1)
+    shift = ((weight @ offsets[1:-1]) / np.maximum(total, 1e-9)).reshape(len(segments), ALONG)
+    # A straight line through the shifts, less moved by the few that saw something else.
+    centre = np.median(shift, axis=1, keepdims=True)
+    shift = np.clip(shift, centre - 0.5, centre + 0.5)
+    lever = share[0, :, 0] - 0.5
+    slope_of = (shift @ lever) / (lever @ lever)
+    level = shift.mean(axis=1)
+    first = segments[:, :2] + (level - 0.5 * slope_of)[:, None] * across
+    last = segments[:, 2:] + (level + 0.5 * slope_of)[:, None] * across
+    return np.concatenate([first, last], axis=1)
 
 
 def merged(segments: Floats) -> Floats:

@@ -19,7 +19,9 @@ from models.sensor import Detector
 KNEE_SIGMAS = 4.0  # of the sky's noise, where the stretch turns from linear to logarithmic
 LIT_SIGMAS = 5.0  # of the smoothed sky's noise: none of a million sky pixels
 SMOOTHING_PX = 1.2
-LEAST_AREA = 3e-4  # of the image: nine pixels of 1024 x 1024 are 1e-5, a star
+LEAST_AREA = 3e-4  # of the image, and
+LEAST_PIXELS = 120  # that many: two of the brightest stars in one cover fewer
+SMALL_PART = 0.02  # of the largest one
 NORMAL_MAD = 1.4826  # sigma of a normal distribution over its median absolute deviation
 SMOOTHED_NOISE = 0.24  # of independent pixels' noise, after a Gaussian of 1.2 px
 
@@ -93,9 +95,10 @@ def _without_specks(shining: Mask) -> Mask:
         return np.zeros_like(shining)
     areas = stats[:, cv2.CC_STAT_AREA].copy()
     areas[0] = 0
-    least = max(LEAST_AREA * shining.size, 0.02 * float(areas.max()))
-    if areas.max() < LEAST_AREA * shining.size:
+    largest = float(areas.max())
+    if largest < max(LEAST_AREA * shining.size, LEAST_PIXELS):
         return np.zeros_like(shining)
-    keep = areas >= min(least, 0.02 * float(areas.max()) + 12.0)
+    # What the dark cuts off from the largest part is still the target.
+    keep = areas >= min(max(LEAST_AREA * shining.size, LEAST_PIXELS), SMALL_PART * largest + 12.0)
     keep[0] = False
     return np.asarray(keep[labels])

@@ -16,11 +16,12 @@ from models.arrays import Floats
 from models.camera import Camera
 from models.pose import RigidTransform
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
-from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges
+from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, normal_jacobian
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.tracking.pose_check import PoseCheck, check_pose
 
 INDEPENDENT_ON_AN_EDGE = 2.0  # what shifts an edge's samples shifts them together
+DRAWN_OUTSIDE = 0.04  # light outside the silhouette that a right pose may well have
 EDGE_SIGMA_PX = 0.6  # of an edge: the drawing's and the light's errors, measured
 
 
@@ -36,6 +37,8 @@ class ImageTrackingOptions:
         Bounds of that reach.
     least_score : float
         Of ``PoseCheck``: less fits no image.
+    least_supported : float
+        Share of the edges in light that must be found, whatever the score.
     sure_score : float
         Less is tried again, from about the prediction.
     retries : int
@@ -46,6 +49,7 @@ class ImageTrackingOptions:
     nearest_px: float = 8.0
     farthest_px: float = 24.0
     least_score: float = 0.45
+    least_supported: float = 0.7
     sure_score: float = 0.7
     retries: int = 2
 
@@ -110,13 +114,20 @@ def spread_px(
     return float(np.sqrt(max(float(variance.mean()), 0.0)))
 
 
-def fit_covariance(fit: EdgeFit, camera: Camera) -> Floats | None:
+def fit_covariance(fit: EdgeFit, camera: Camera, outside: float) -> Floats | None:
     """Return the covariance of a fitted pose, (6, 6) rad and m; None where edges do not fix it.
 
-    The samples of one edge err together, so an edge counts as a few of them and no more.
-    """
-    from pipelines.tracking.edge_fit import normal_jacobian
+    The samples of one edge err together, so an edge counts as a few of them and no more. Where
+    much light falls outside the silhouette, the image shows what the drawing leaves out, and edges
+    are taken for others: the sigma grows with it, as measured.
 
+    Parameters
+    ----------
+    fit : EdgeFit
+    camera : Camera
+    outside : float
+        See ``PoseCheck``.
+    """
     samples = fit.samples
     counts = np.bincount(samples.edge, weights=fit.weights, minlength=int(samples.edge.max()) + 1)
     share = np.minimum(1.0, INDEPENDENT_ON_AN_EDGE / np.maximum(counts, 1e-9))[samples.edge]
@@ -128,7 +139,7 @@ def fit_covariance(fit: EdgeFit, camera: Camera) -> Floats | None:
     balanced = information / np.outer(scale, scale)
     if np.linalg.eigvalsh(balanced)[0] < 1e-9:
         return None
-    sigma = max(EDGE_SIGMA_PX, fit.rms_px)
+    sigma = max(EDGE_SIGMA_PX, fit.rms_px) * (1.0 + (outside / DRAWN_OUTSIDE) ** 2)
     covariance = sigma**2 * np.linalg.inv(balanced) / np.outer(scale, scale)
     return np.asarray(0.5 * (covariance + covariance.T))
 
@@ -150,7 +161,7 @@ def _starts(
 
 
 def _doubt(check: PoseCheck, options: ImageTrackingOptions) -> str:
-    if check.score >= options.least_score:
+    if check.score >= options.least_score and check.supported >= options.least_supported:
         return ""
     return (
         f"the pose fits the image by {check.score:.2f}, {options.least_score:.2f} is needed: "
