@@ -19,6 +19,7 @@ from models.sensor import Detector
 KNEE_SIGMAS = 4.0  # of the sky's noise, where the stretch turns from linear to logarithmic
 LIT_SIGMAS = 5.0  # of the smoothed sky's noise: none of a million sky pixels
 SMOOTHING_PX = 1.2
+LEAST_NOISE_DN = 0.3  # of any detector: rounding alone
 LEAST_AREA = 3e-4  # of the image, and
 LEAST_PIXELS = 120  # that many: two of the brightest stars in one cover fewer
 SMALL_PART = 0.02  # of the largest one
@@ -72,11 +73,12 @@ def find_target(image: Image, detector: Detector | None = None) -> TargetRegion:
     pixels = image.astype(np.float32)
     sample = pixels[::3, ::3]
     sky = float(np.median(sample))
+    least = LEAST_NOISE_DN
     if detector is not None:  # a target that fills the image is no sky
-        sky = min(sky, detector.bias_dn + 3.0 * float(detector.noise_dn(detector.bias_dn)))
+        least = float(detector.noise_dn(np.array([detector.bias_dn]))[0])
+        sky = min(sky, detector.bias_dn + 3.0 * least)
     below = sample[sample <= sky]
     spread = NORMAL_MAD * float(np.median(sky - below)) if below.size else 0.0
-    least = 0.3 if detector is None else float(detector.noise_dn(detector.bias_dn))
     sigma = max(spread, least)
     signal = pixels - sky
     smooth = cv2.GaussianBlur(signal, (0, 0), SMOOTHING_PX)

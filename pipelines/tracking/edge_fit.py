@@ -257,4 +257,4 @@ def _solve(
     if not np.isfinite(change).all():
         return None
     rms = float(np.sqrt((weights * residual**2).sum() / max(weights.sum(), 1e-9)))
-    return change, weights, information, rms
+    return np.asarray(change, dtype=np.float64), weights, information, rms
