@@ -21,6 +21,8 @@ class SuiteRequest:
         A small version of everything, to see it work.
     runs, acquisitions, seeds : int, optional
         Instead of the suite's own sizes.
+    paper_runs : int, optional
+        Most runs and acquisitions of a case by the paper's own algorithms.
     duration_s : float, optional, s
     seed : int
     """
@@ -33,6 +35,7 @@ class SuiteRequest:
     runs: int | None = None
     acquisitions: int | None = None
     seeds: int | None = None
+    paper_runs: int | None = None
     duration_s: float | None = None
     seed: int = 0
 

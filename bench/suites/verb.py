@@ -49,6 +49,8 @@ class Suite:
     """acquisitions of each case (1000, of which the paper's table takes the first 100)"""
     seeds: OptionalCount = None
     """runs of each cell where the paper has a single one (10)"""
+    paper_runs: OptionalCount = None
+    """most runs and acquisitions of a case by `paper`, which takes ten times as long as `best`"""
     duration_s: OptionalNumber = None
     """length of a run, in s (1800)"""
     seed: Annotated[int, arg(metavar="N")] = 0
@@ -71,6 +73,7 @@ class Suite:
             runs=self.runs,
             acquisitions=self.acquisitions,
             seeds=self.seeds,
+            paper_runs=self.paper_runs,
             duration_s=self.duration_s,
             seed=self.seed,
         )

@@ -38,7 +38,7 @@ def plan_of(request: SuiteRequest) -> Plan:
     own = QUICK if request.quick else Sizes()
     asked = {
         name: value
-        for name in ("runs", "acquisitions", "seeds", "duration_s")
+        for name in ("runs", "acquisitions", "seeds", "duration_s", "paper_runs")
         if (value := getattr(request, name)) is not None
     }
     return Plan(replace(own, seed=request.seed, **asked), request.parts or PARTS)
