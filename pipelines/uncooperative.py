@@ -116,8 +116,8 @@ class Uncooperative:
         predicted: FilteredState,
     ) -> NavigationEstimate:
         mount = self._knowledge.cam_from_lvlh
-        expected = predicted.state.cam_from_target(mount)
-        pose = self._found(finder, frame, expected, predicted)
+        guess = predicted.state.cam_from_target(mount)
+        pose = self._found(finder, frame, guess, predicted)
         if isinstance(pose, PoseEstimate):
             self._remember(finder.matched_share(frame, pose))
             if self._share < self._least_share(frame):
@@ -154,15 +154,15 @@ class Uncooperative:
         self,
         finder: PoseFinder[Any],
         frame: PointFrame | ImageFrame,
-        expected: RigidTransform,
+        guess: RigidTransform,
         predicted: FilteredState,
     ) -> Estimate:
-        if not expected.translation[2] > 0.0:
+        if not guess.translation[2] > 0.0:
             reason = "the predicted target is behind the camera"
             nothing = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())
             return NoPose(frame.index, frame.time_s, reason, nothing)
         covariance = predicted.pose_covariance(self._knowledge.cam_from_lvlh)
-        return finder.track(frame, expected, covariance)
+        return finder.track(frame, guess, covariance)
 
     def _remember(self, share: float) -> None:
         weight = 1.0 / self._options.share_memory_frames
