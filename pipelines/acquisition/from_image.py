@@ -221,15 +221,15 @@ class ImageAcquirer:
                 kept.append(one)
         return kept
 
-    def _same(self, one: RigidTransform, other: RigidTransform) -> bool:
+    def _same(self, pose: RigidTransform, other: RigidTransform) -> bool:
         """Tell whether two poses are near each other, a symmetry of the target aside."""
-        away = float(np.linalg.norm(one.translation - other.translation))
+        away = float(np.linalg.norm(pose.translation - other.translation))
         if away > self._options.apart_share * other.translation[2]:
             return False
         least = 1.0 + 2.0 * np.cos(np.deg2rad(self._options.apart_deg))
         turns = (np.eye(3), *self._wireframe.symmetries)
         return any(
-            float(np.trace(one.rotation @ turn @ other.rotation.T)) > least for turn in turns
+            float(np.trace(pose.rotation @ turn @ other.rotation.T)) > least for turn in turns
         )
 
     def _in_range(self, pose: RigidTransform) -> bool:

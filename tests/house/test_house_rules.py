@@ -14,7 +14,7 @@ MOST_LINES = 400
 SAYS_NOTHING = {"utils", "util", "core", "base", "misc", "helpers", "common", "tools"}
 
 # Words for a pose whose frames its own docstring tells, where a second `a_from_b` would not.
-POSE_WORDS = {"pose", "prior", "start", "truth", "estimate", "other", "guess"}
+POSE_WORDS = {"pose", "prior", "start", "truth", "estimate", "other", "guess", "predicted"}
 ARROW_NAME = re.compile(r"(^|_)[A-Za-z]+2[A-Z]")  # A2B: which way does it map?
 
 
