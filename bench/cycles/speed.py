@@ -279,7 +279,7 @@ def main() -> int:
     parser.add_argument("--cycles-suns", type=int, default=36, help="of the 36, by Cycles")
     parser.add_argument("--out", type=Path, default=Path("out/speed"))
     options = parser.parse_args()
-    console = Console(width=None if sys.stdout.isatty() else 110)
+    console = Console(width=None if sys.stdout.isatty() else 140)
     options.out.mkdir(parents=True, exist_ok=True)
     try:
         with tempfile.TemporaryDirectory(dir=options.out) as folder:
