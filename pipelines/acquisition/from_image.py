@@ -38,6 +38,8 @@ class ImageAcquisitionOptions:
     ----------
     coarse_width, fine_width : int, px
         Images wider than this are reduced, for the search and for the last fit.
+    about_deg : float
+        How far a best pose that is not sure is turned, to be laid on the image again.
     directions : int
         From how many the target is seen, off-line.
     views : int
@@ -71,8 +73,9 @@ class ImageAcquisitionOptions:
     least_score: float = 0.5
     least_supported: float = 0.75
     most_outside: float = 0.1
-    margin: float = 0.04
+    margin: float = 0.05
     apart_deg: float = 5.0
+    about_deg: float = 5.0
     apart_share: float = 0.05
 
 
@@ -160,7 +163,30 @@ class ImageAcquirer:
         if not finals or finals[0].check.score < options.sure_score:
             views = search_views(coarse, sphere, options.more_views, PARTLY_LIT)
             finals = self._different([*finals, *self._laid(views, coarse, fine)])
+        if finals and finals[0].check.score < options.sure_score:
+            about = [one for best in finals[:2] for one in self._about(best, fine)]
+            finals = self._different([*finals, *about])
         return self._judged(finals)
+
+    def _about(self, found: FoundPose, fine: EdgeImage) -> list[FoundPose]:
+        """Lay poses about a found one: turned a little, nearer and farther.
+
+        Where wings are seen nearly end on, edges close together hold a pose some degrees off.
+        """
+        pose, options = found.fit.cam_from_target, self._options
+        starts: list[RigidTransform] = []
+        for axis in np.concatenate([np.eye(3), -np.eye(3)]):
+            turn = np.deg2rad(options.about_deg) * axis
+            starts.extend(pose.perturbed(turn, s * pose.translation) for s in (-0.03, 0.03))
+        starts.extend(
+            pose.perturbed(np.zeros(3), s * pose.translation) for s in (-0.07, -0.035, 0.035, 0.07)
+        )
+        laid = []
+        for start in starts:
+            fit = fit_edges(fine, self._edges, start, (12.0, *options.fine_reaches_px))
+            if fit is not None and self._in_range(fit.cam_from_target):
+                laid.append(FoundPose(fit, check_pose(fine, self._edges, fit.cam_from_target)))
+        return laid
 
     def _laid(self, views: list[Hypothesis], coarse: EdgeImage, fine: EdgeImage) -> list[FoundPose]:
         """Lay views on the coarse image, and the best of them on the fine one."""
