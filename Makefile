@@ -27,7 +27,7 @@ demo: $(RUNTIME)
 
 test: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)
-	$(PYTHON) -m pytest -m "not slow"
+	$(PYTHON) -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadfile
 
 check: lint test
 

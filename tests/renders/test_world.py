@@ -14,13 +14,14 @@ from models.lights.sun import sun_direction
 from models.pose import RigidTransform
 from renders.light_groups import EarthGroup
 from renders.scenario import RenderRequest, Scenario, case_names, check_scenario, resolve
+from renders.tumble_world import world_of
 from renders.world import World, sun_group
 
 REQUEST = RenderRequest("maxar-approach", Path("unused"), rate_hz=0.05)
 
 
 def world(**options: Any) -> World:
-    return World(resolve(replace(REQUEST, **options)))
+    return world_of(resolve(replace(REQUEST, **options)))
 
 
 def world_with(**tables: dict[str, Any]) -> World:

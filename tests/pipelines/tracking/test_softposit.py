@@ -42,6 +42,7 @@ DEMO_TRANSLATION = np.array([0.5002, -0.1001, 7.0011])
 DEMO_DELTA_PX = (53.3, 55.1, 55.3, 55.1, 51.2)
 DEMO_SHARE = (0.24, 0.30, 0.36, 0.44, 0.50)
 # The demo prints a run with another alpha, which the header does not tell.
+ROUNDING, SETTLED = 1e-9, 1e-3  # a sum of products; what is left of a sweep that moves 1e-6
 DELTA_TOLERANCE_PX, SHARE_TOLERANCE, POSE_TOLERANCE = 0.2, 0.01, 1e-3
 
 SIGMA_PX = 2.0
@@ -122,12 +123,16 @@ def test_the_assignment_never_claims_a_point_or_a_landmark_twice(seed: int) -> N
     pose = any_pose(rng)
     points, _ = seen_points(TARGET, pose, rng, SIGMA_PX, outliers=5)
     start = pose.perturbed(0.01 * rng.standard_normal(3), 0.05 * rng.standard_normal(3))
-    result = softposit(points, TARGET.points_in_target, CAMERA, start, SIGMA_PX, 0.05)
-    assert (result.assignment >= 0.0).all()
-    assert result.assignment.sum(axis=1).max() < 1.0 + 1e-3
-    assert result.assignment.sum(axis=0).max() < 1.0 + 1e-2  # columns are normalised before rows
-    named = result.matched[result.matched >= 0]
-    assert len(set(named)) == len(named)
+    # Rows are balanced last, so they sum to one at any time; columns only once the sweeps have
+    # settled: the published stop comes while they are up to 0.03 too many.
+    settled = SoftPositOptions(sinkhorn_sweeps=2000, sinkhorn_tolerance=1e-6)
+    for options in (SoftPositOptions(), settled):
+        result = softposit(points, TARGET.points_in_target, CAMERA, start, SIGMA_PX, 0.05, options)
+        assert (result.assignment >= 0.0).all()
+        assert result.assignment.sum(axis=1).max() < 1.0 + ROUNDING
+        named = result.matched[result.matched >= 0]
+        assert len(set(named)) == len(named)
+    assert result.assignment.sum(axis=0).max() < 1.0 + SETTLED
 
 
 def test_without_noise_the_pose_is_exact_and_every_point_named() -> None:
