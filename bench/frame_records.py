@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.runs import estimates_path
+from bench.runs import estimates_path, spoken_variant
 from models.arrays import Floats
 from models.dataset import read_frame, read_frame_entries, read_info, read_knowledge
 from models.errors import DatasetError
@@ -86,15 +86,9 @@ class FrameRecords:
         read_info(folder)
         self.entries = {entry.index: entry for entry in read_frame_entries(folder)}
         self.knowledge = read_knowledge(folder)
+        self.variant = spoken_variant(folder, variant)
         path = estimates_path(folder, 0, variant)
-        spoken = sorted(other.stem for other in path.parent.glob("*.jsonl"))
-        if spoken and variant not in spoken:
-            raise DatasetError(
-                f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, "
-                f"got {variant!r}"
-            )
-        self.variant = variant if path.is_file() else None
-        estimates = read_estimates(path) if path.is_file() else []
+        estimates = read_estimates(path) if self.variant else []
         self._estimates = {estimate.frame: estimate for estimate in estimates}
         has_truth = (folder / "truth" / "exposures.jsonl").is_file()
         self._truth = read_exposures(folder) if has_truth else {}

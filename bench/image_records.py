@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.frame_records import PREFERRED
-from bench.runs import estimates_path
+from bench.runs import estimates_path, spoken_variant
 from bench.wireframe_overlay import estimated_pose
 from models.dataset import read_frame_entries
 from models.errors import DatasetError
@@ -92,15 +92,9 @@ class ImageRecords:
         self.entries = {entry.index: entry for entry in read_frame_entries(folder)}
         self.knowledge = read_uncooperative_knowledge(folder)
         self._navigation = read_navigation(folder)
+        self.variant = spoken_variant(folder, variant)
         path = estimates_path(folder, 0, variant)
-        spoken = sorted(other.stem for other in path.parent.glob("*.jsonl"))
-        if spoken and variant not in spoken:
-            raise DatasetError(
-                f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, "
-                f"got {variant!r}"
-            )
-        self.variant = variant if path.is_file() else None
-        estimates = read_navigation_estimates(path) if path.is_file() else []
+        estimates = read_navigation_estimates(path) if self.variant else []
         self._estimates = {estimate.frame: estimate for estimate in estimates}
         has_truth = (folder / "truth" / "exposures.jsonl").is_file()
         self._truth = read_image_truths(folder) if has_truth else {}

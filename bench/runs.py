@@ -94,6 +94,22 @@ def found_variants(folder: Path) -> tuple[str, ...]:
     return variants
 
 
+def spoken_variant(folder: Path, variant: str) -> str | None:
+    """Return a variant if it has estimates of run 0, None if none has.
+
+    Raises
+    ------
+    DatasetError
+        If others have, but not this one.
+    """
+    spoken = sorted(path.stem for path in (folder / "estimates").glob("*.jsonl"))
+    if spoken and variant not in spoken:
+        raise DatasetError(
+            f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, got {variant!r}"
+        )
+    return variant if spoken else None
+
+
 def found_runs(folder: Path, variant: str) -> list[int]:
     """Return the numbers of the runs that have estimates of a variant, in order."""
     others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{variant}.jsonl")

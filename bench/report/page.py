@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,12 +14,13 @@ from bench.published import published_case
 from bench.report import figures, tables
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
 from bench.report.numbers import number
+from bench.report.scenario_tables import scenario_tables
 from bench.runs import dataset_fingerprint
 from bench.score import read_score
 from bench.stretch import STRETCH
 from models.atomic_file import write_text
 from models.dataset import read_info
-from models.errors import DatasetError, cause
+from models.errors import DatasetError
 
 TEMPLATE = "page.html.jinja"
 
@@ -75,7 +75,7 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
     published = published_case(info.target, info.sun)
     std_px = None if published is None else published.centroid_std_px
     variants = tables.variants_of(score)
-    scenario = _scenario(folder)
+    scenario = scenario_tables(folder)
     ranges = [row["range_m"] for row in headline["per_frame"]]
     return {
         "info": info,
@@ -131,23 +131,6 @@ def _cards(headline: dict[str, Any]) -> list[Card]:
              "1 is the best there is"),
         Card(found, "frames", "with a pose", f"{lost['missed'] or 'none'} missed"),
     ]  # fmt: skip
-
-
-def _scenario(folder: Path) -> dict[str, dict[str, Any]]:
-    """Return the scenario's tables; its prose and single keys come first, without a title."""
-    path = folder / "truth" / "scenario.toml"
-    if not path.is_file():
-        return {}
-    try:
-        table = tomllib.loads(path.read_text())
-    except (OSError, ValueError) as error:
-        raise DatasetError(
-            f"{path}: expected a scenario as TOML, got: {cause(error)}; "
-            "render again: only what is missing is rendered, and this file is written anew"
-        ) from error
-    single = {key: value for key, value in table.items() if not isinstance(value, dict)}
-    nested = {key: value for key, value in table.items() if isinstance(value, dict)}
-    return {"scenario": single, **nested}
 
 
 def _calibration(scenario: dict[str, dict[str, Any]]) -> str:

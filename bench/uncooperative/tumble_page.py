@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from bench.report.figures import svg_address
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, chosen, jpeg
 from bench.report.numbers import count, number, share
 from bench.report.page import Card
+from bench.report.scenario_tables import scenario_tables
 from bench.report.tables import variants_of
 from bench.runs import dataset_fingerprint
 from bench.stretch import STRETCH
@@ -90,7 +90,7 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
             "errors": svg_address(tumble_figures.error_figure(score)),
             "corners": svg_address(tumble_figures.corner_figure(score, variant)),
         },
-        "scenario": _scenario(folder),
+        "scenario": scenario_tables(folder),
         "fingerprint": dataset_fingerprint(folder),
         "folder": folder.name,
     }
@@ -143,20 +143,3 @@ def _cards(headline: dict[str, Any]) -> list[Card]:
         Card(share(headline["corners"]["repeatability"]), "", "of the visible landmarks found",
              f"within 3 px, rms {number(headline['corners']['rms_px'])} px"),
     ]  # fmt: skip
-
-
-def _scenario(folder: Path) -> dict[str, dict[str, Any]]:
-    """Return the scenario's tables; its prose and single keys come first."""
-    path = folder / "truth" / "scenario.toml"
-    if not path.is_file():
-        return {}
-    try:
-        table = tomllib.loads(path.read_text())
-    except (OSError, ValueError) as error:
-        raise DatasetError(
-            f"{path}: expected a scenario as TOML, got: {error}; render again: only what is "
-            "missing is rendered, and this file is written anew"
-        ) from error
-    single = {key: value for key, value in table.items() if not isinstance(value, dict)}
-    nested = {key: value for key, value in table.items() if isinstance(value, dict)}
-    return {"scenario": single, **nested}
