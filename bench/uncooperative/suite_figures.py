@@ -95,7 +95,8 @@ def mean_error_figure(outcomes: Outcomes) -> str:
                     shown.append(mean)
                 panel.set_yscale("log")
                 panel.set_ylabel(what)
-                panel.set_title(f"{variant}: mean {what.split(',')[0]}, {cells[0].runs} runs")
+                runs = outcomes.plan.sizes.of_variant(variant, cells[0].runs)
+                panel.set_title(f"{variant}: mean {what.split(',')[0]}, {runs} runs")
                 _limit(panel, shown)
         for panel in axes[-1]:
             panel.set_xlabel("time, s")

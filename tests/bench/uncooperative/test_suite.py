@@ -3,6 +3,7 @@
 import io
 import json
 import shutil
+from collections import Counter
 from dataclasses import replace
 
 import pytest
@@ -168,3 +169,18 @@ def test_outcomes_of_another_plan_are_not_taken(done):
     other = Outcomes(replace(PLAN, sizes=replace(SIZES, seed=1)), done / "units")
     with pytest.raises(Exception, match="run the same suite again"):
         compared(other.results())
+
+
+def test_the_paper_variant_may_be_given_fewer_runs_and_best_keeps_its_own() -> None:
+    def tally(paper_runs: int | None) -> Counter[str]:
+        sizes = Sizes(runs=6, acquisitions=40, seeds=3, paper_runs=paper_runs)
+        units = Plan(sizes, ("table5", "table6")).units()
+        return Counter(unit.kind for unit in units)
+
+    whole, fewer = tally(None), tally(2)
+    assert whole["tracking, paper"] == whole["tracking, best"] == fewer["tracking, best"] == 30
+    assert fewer["tracking, paper"] == 10
+    assert fewer["acquisition, paper"] < whole["acquisition, paper"]
+    assert fewer["acquisition, best"] == whole["acquisition, best"]
+    with pytest.raises(ScenarioError, match="--paper-runs"):
+        Sizes(paper_runs=0)
