@@ -13,7 +13,6 @@ It loads no renderer, so that scoring can read it; pipelines may not import it, 
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,11 +21,10 @@ import numpy as np
 
 from models.arrays import Floats, Mask
 from models.dataset import FILTERED
-from models.errors import DatasetError, cause
 from models.navigation_estimates_file import state_from_json, state_to_json
 from models.pose import RigidTransform
 from models.relative_state import ChaserState, RelativeState
-from renders.truth import MEND
+from renders.truth import read_records
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,30 +108,5 @@ class ImageTruth:
 
 
 def read_image_truths(folder: Path) -> dict[int, ImageTruth]:
-    """Read the truth of a dataset of single images, by frame.
-
-    Raises
-    ------
-    DatasetError
-        If the truth half is missing or a line of it cannot be read.
-    """
-    path = folder / "truth" / "exposures.jsonl"
-    if not path.is_file():
-        raise DatasetError(
-            f"expected the truth half of a dataset at {path}, found none; "
-            "only datasets rendered here can be scored"
-        )
-    try:
-        lines = path.read_text().splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise DatasetError(f"expected text at {path}, got: {cause(error)}; {MEND}") from error
-    truths = {}
-    for number, line in enumerate(lines, start=1):
-        try:
-            truth = ImageTruth.from_json(json.loads(line))
-        except (KeyError, TypeError, ValueError) as error:
-            raise DatasetError(
-                f"{path}:{number}: expected the truth of one image, got: {cause(error)}; {MEND}"
-            ) from error
-        truths[truth.frame] = truth
-    return truths
+    """Read the truth of a dataset of single images, by frame; see ``renders.truth``."""
+    return {truth.frame: truth for truth in read_records(folder, ImageTruth.from_json)}

@@ -16,9 +16,10 @@ contract), and never need it (a test).
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from models.arrays import Floats
 from models.errors import DatasetError, cause
 from models.pose import RigidTransform
 
+T = TypeVar("T")
 MEND = "render again: only what is missing is rendered, and this file is written anew"
 
 
@@ -111,7 +113,13 @@ class ExposureTruth:
 
 
 def read_exposures(folder: Path) -> dict[tuple[int, int], ExposureTruth]:
-    """Read the truth of a dataset, by (frame, band).
+    """Read the truth of a dataset, by (frame, band); see ``read_records``."""
+    records = read_records(folder, ExposureTruth.from_json)
+    return {(truth.frame, truth.band): truth for truth in records}
+
+
+def read_records(folder: Path, from_json: Callable[[dict[str, Any]], T]) -> list[T]:
+    """Read the sealed records of a dataset, one a line.
 
     Raises
     ------
@@ -128,16 +136,15 @@ def read_exposures(folder: Path) -> dict[tuple[int, int], ExposureTruth]:
         lines = path.read_text().splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise DatasetError(f"expected text at {path}, got: {cause(error)}; {MEND}") from error
-    exposures = {}
+    records = []
     for number, line in enumerate(lines, start=1):
         try:
-            truth = ExposureTruth.from_json(json.loads(line))
+            records.append(from_json(json.loads(line)))
         except (KeyError, TypeError, ValueError) as error:
             raise DatasetError(
                 f"{path}:{number}: expected one exposure, got: {cause(error)}; {MEND}"
             ) from error
-        exposures[truth.frame, truth.band] = truth
-    return exposures
+    return records
 
 
 def read_part_names(folder: Path) -> tuple[str, ...]:

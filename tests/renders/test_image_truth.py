@@ -74,7 +74,7 @@ def test_damaged_or_absent_truth_is_named(tmp_path: Path) -> None:
     with pytest.raises(DatasetError, match="expected the truth half"):
         read_image_truths(tmp_path)
     folder = written(tmp_path, [json.dumps(truth_of(0).to_json()), '{"frame": 1}'])
-    with pytest.raises(DatasetError, match=r"exposures\.jsonl:2: expected the truth of one image"):
+    with pytest.raises(DatasetError, match=r"exposures\.jsonl:2: expected one exposure"):
         read_image_truths(folder)
 
 
