@@ -1,7 +1,7 @@
 """One path-traced pass that keeps every light in its own channel (JIT variants).
 
 Primary hits and bounces are shared: at each vertex every light is sampled on its own, its
-contribution goes to its own sum, and one BSDF sample carries the path on for all of them. The
+contribution goes to its own sum, and one direction carries the path on for all of them. The
 random numbers of a pixel depend on the seed and the pixel alone, not on the lights or on the window
 that is rendered; how its samples are added up does not either: equal seeds give equal bits.
 
@@ -25,8 +25,9 @@ from renders.camera_plugin import ray_direction_in_cam
 from renders.kernel_lights import light_of
 from renders.light_groups import LightGroup
 from renders.sample_sequence import points_2d
+from renders.surface_table import SurfaceTable
 
-PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED and lobe, lobe
+PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED, lobe
 START_PER_M = 2e-6  # a hit's place is exact to some 2e-7 of its largest coordinate
 MOST_LANES = 16  # of a pixel, as many as a wide packet; more samples are walked in turns
 ADDED_LANES = 8  # in the kernel: one packet's or two's, whose sum does not depend on their order
@@ -39,32 +40,21 @@ def power_share(one: Any, other: Any) -> Any:
     return 1.0 / (1.0 + ratio * ratio)
 
 
-def leaving(si: Any, direction: Any) -> Any:
+def leaving(place: Any, normal: Any, direction: Any) -> Any:
     """Return the ray that leaves a surface, from as near to it as 32 bits allow.
 
     Mitsuba's own ``spawn_ray`` starts 45 times farther off, 0.4 mm at 4 m from the origin, and so
     loses the shadows of what is thin: gaps between solar cells, tabs, blankets' edges. Cycles
     showed it: cells 2.5 % too bright under S2, 60 % under the grazing S3.
     """
-    offset = START_PER_M * (1.0 + dr.max(dr.abs(si.p)))
-    return mi.Ray3f(si.p + si.n * dr.mulsign(offset, dr.dot(si.n, direction)), direction)
-
-
-def face_to_us(si: Any, ray: Any) -> None:
-    """Shade by the flat normal where the smooth one faces away from a ray that meets the front.
-
-    Seen from there a smooth surface would show its back and be dark: Cycles found the adaptor
-    ring's inner wall 6 % too dark.
-    """
-    away = si.wi.z * dr.dot(si.n, -ray.d) <= 0.0
-    flat = mi.Frame3f(si.n)
-    si.sh_frame = dr.select(away, flat, si.sh_frame)
-    si.wi = dr.select(away, flat.to_local(-ray.d), si.wi)
+    return mi.Ray3f(place + normal * (START_PER_M * (1.0 + dr.max(dr.abs(place)))), direction)
 
 
 @dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
 def _trace(
     scene: Any,
+    surfaces: Any,
+    bands: Any,
     ray_of: Any,
     lights: Any,
     pixels: Any,
@@ -76,7 +66,6 @@ def _trace(
     key: Any,
 ) -> Any:
     """Return a list of radiance sums, one array over the pixels for each light."""
-    context = mi.BSDFContext()
     sums = [dr.zeros(mi.Float, dr.width(pixels)) for _ in lights]
     column = mi.Float(pixels % width)
     row = mi.Float(pixels // width)
@@ -84,45 +73,42 @@ def _trace(
     while index < last:
         place = points_2d(index, key, mi.UInt32(0))
         ray = ray_of(column + place.x - 0.5, row + place.y - 0.5)
-        throughput = mi.Color3f(1.0)
+        throughput = {band: mi.Float(1.0) for band in bands}
         depth = mi.UInt32(0)
         active = mi.Bool(True)
-        lobe_density = mi.Float(dr.inf)  # of the ray's direction; the camera's rays are certain
+        ray_density = mi.Float(dr.inf)  # of its direction; the camera's rays are certain
         while active:
-            si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
+            si = scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, depth == 0, active)
             escaped = active & ~si.is_valid()
             active &= si.is_valid() & (depth < max_depth)
-            face_to_us(si, ray)
-            bsdf = si.bsdf(ray)
+            surface = surfaces.seen(si, ray, bands, active)
             pair = 1 + depth * PAIRS_PER_VERTEX
             disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))
             choice = points_2d(index, key, pair + 1)
             for number, light in enumerate(lights):
                 if dr.hint(light.wide, mode="scalar"):
                     arrived = throughput[light.channel] * light.radiance(ray.d)
-                    arrived *= power_share(lobe_density, light.density)
+                    arrived *= power_share(ray_density, light.density)
                     sums[number] += dr.select(escaped, arrived, 0.0)
                 towards, distance, irradiance = light.sample(si.p, disc, choice.x)
-                wo = si.to_local(towards)
-                facing = active & (dr.dot(towards, si.n) * si.wi.z > 0.0) & (irradiance > 0.0)
-                value = bsdf.eval(context, si, wo, facing)
-                share = value[light.channel] * throughput[light.channel] * irradiance
+                share = surface.value(light.channel, towards)
+                share *= throughput[light.channel] * irradiance
                 if dr.hint(light.wide, mode="scalar"):
-                    density = bsdf.pdf(context, si, wo, facing)
-                    share *= power_share(light.density, density)
-                facing &= share > 0.0
-                shadow = leaving(si, towards)
+                    share *= power_share(light.density, surface.density(towards))
+                facing = surface.faces(towards) & (share > 0.0)
+                shadow = leaving(si.p, surface.normal, towards)
                 shadow.maxt = distance * (1.0 - 1e-4)
                 dark = scene.ray_test(shadow, depth == 0, facing)
                 sums[number] += dr.select(facing & ~dark, share, 0.0)
             depth += 1
-            active &= depth < segments
-            lobe = points_2d(index, key, pair + 2)
-            bsdf_sample, weight = bsdf.sample(context, si, choice.y, lobe, active)
-            throughput *= weight
-            lobe_density = bsdf_sample.pdf
-            active &= dr.any(throughput > 0.0)
-            ray = leaving(si, si.to_world(bsdf_sample.wo))
+            active &= (depth < segments) & surface.lit
+            direction, ray_density, weights = surface.sample(points_2d(index, key, pair + 2))
+            carried = mi.Bool(False)
+            for band in bands:
+                throughput[band] *= weights[band]
+                carried |= throughput[band] > 0.0
+            active &= carried
+            ray = leaving(si.p, surface.normal, direction)
         index += 1
     return sums
 
@@ -174,6 +160,7 @@ def pixel_means(sums: Sequence[Any], lanes: Any, shares: int, samples: int) -> l
 
 def trace_groups(
     scene: Any,
+    surfaces: SurfaceTable,
     camera: Camera,
     cam_from_target: RigidTransform,
     groups: Sequence[LightGroup],
@@ -187,7 +174,9 @@ def trace_groups(
     Parameters
     ----------
     scene : mitsuba.Scene
-        Geometry in the target frame; its emitters are not used.
+        Geometry in the target frame; its emitters and BSDFs are not used.
+    surfaces : SurfaceTable
+        What its shapes return.
     camera : Camera
     cam_from_target : RigidTransform
     groups : sequence of LightGroup
@@ -231,6 +220,8 @@ def trace_groups(
     first = lanes % dr.opaque(mi.UInt32, shares) * each
     sums = _trace(
         scene,
+        surfaces,
+        sorted({light.channel for light in lights}),
         ray_of,
         lights,
         pixel,

@@ -26,6 +26,7 @@ from renders.group_integrator import trace_groups
 from renders.light_groups import LampGroup, LightGroup
 from renders.marker_lobes import add_lobes
 from renders.scene import SceneGeometry
+from renders.surface_table import SurfaceTable
 from renders.windows import Window, window_around
 
 TILE_PX = 4
@@ -153,7 +154,8 @@ def render_radiance(
     tiled = tiled_pixels(camera.width, camera.height)
     if in_view is not None:
         tiled = tiled[in_view.ravel()[tiled]]
-    traced = _traced(scene, camera, cam_from_target, groups, tiled, sampling.samples, sampling)
+    surfaces, samples = geometry.surfaces, sampling.samples
+    traced = _traced(scene, surfaces, camera, cam_from_target, groups, tiled, samples, sampling)
     images = {}
     for name in list(traced):
         images[name] = np.zeros(camera.width * camera.height, dtype=np.float32)
@@ -169,7 +171,7 @@ def render_radiance(
         ):
             if len(pixels) == 0 or not lit:  # no disc shows its face, or no lamp shines
                 continue
-            fine = _traced(scene, camera, cam_from_target, lit, pixels, samples, sampling)
+            fine = _traced(scene, surfaces, camera, cam_from_target, lit, pixels, samples, sampling)
             for name, light in fine.items():
                 images[name][pixels] = light
     return {name: image.reshape(camera.height, camera.width) for name, image in images.items()}
@@ -177,6 +179,7 @@ def render_radiance(
 
 def _traced(
     scene: Any,
+    surfaces: SurfaceTable,
     camera: Camera,
     cam_from_target: RigidTransform,
     groups: Sequence[LightGroup],
@@ -186,6 +189,7 @@ def _traced(
 ) -> dict[str, Radiance]:
     return trace_groups(
         scene,
+        surfaces,
         camera,
         cam_from_target,
         groups,

@@ -8,6 +8,7 @@ integrator samples light groups itself, and the scalar one adds emitters of its 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import drjit as dr
@@ -20,11 +21,12 @@ from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.retroreflector import retroreflector_dict
-from renders.surfaces import bsdf_dict
+from renders.surfaces import Surface, bsdf_dict, surface_of, surface_of_disc
 
 if TYPE_CHECKING:
     import trimesh
+
+    from renders.surface_table import SurfaceTable
 
 MARKER_LABEL = "retroreflectors"
 CHASER_LABEL = "chaser"
@@ -43,18 +45,21 @@ class SceneGeometry:
         Name of label k + 1; 0 is empty space.
     label_of_shape : dict
         Label by shape key.
+    surface_of_shape : dict
+        What each shape returns, by its key.
     chaser_in_cam : dict
         Vertices of each chaser mesh in the camera's axes, m, by shape key.
     discs : MarkerPattern or None
         The retroreflectors among the shapes.
     optics : RetroreflectorOptics
-        What they return. In scalar variants their shapes carry the front face alone, and
-        ``renders.marker_lobes`` adds the rest.
+        What they return. As Mitsuba's BSDFs their shapes carry the front face alone; in scalar
+        variants ``renders.marker_lobes`` adds the rest.
     """
 
     shapes: dict[str, Any]
     labels: tuple[str, ...]
     label_of_shape: dict[str, int]
+    surface_of_shape: dict[str, Surface]
     chaser_in_cam: dict[str, Floats] = field(default_factory=dict)
     discs: MarkerPattern | None = None
     optics: RetroreflectorOptics = RetroreflectorOptics()  # noqa: RUF009 - frozen
@@ -68,15 +73,34 @@ class SceneGeometry:
         """Load a scene of these shapes, with emitters if any."""
         return mi.load_dict({"type": "scene", **self.shapes, **emitters}, optimize=False)
 
+    @cached_property
+    def surfaces(self) -> SurfaceTable:
+        """What every shape returns, as the one-pass kernel reads it (JIT variants)."""
+        from renders.surface_table import SurfaceTable
+
+        distinct = list(dict.fromkeys(self.surface_of_shape.values()))
+        return SurfaceTable(
+            distinct,
+            {
+                jit_number(shape): distinct.index(self.surface_of_shape[key])
+                for key, shape in self.shapes.items()
+            },
+        )
+
     def shape_labels(self, scene: Any) -> dict[int, int]:
         """Return the label by the number that the ``shape_index`` AOV gives a shape."""
         numbers = {}
         for order, shape in enumerate(scene.shapes(), start=1):
             number = order
             if dr.is_jit_v(mi.Float):
-                number = int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
+                number = jit_number(shape)
             numbers[number] = self.label_of_shape[shape.id()]
         return numbers
+
+
+def jit_number(shape: Any) -> int:
+    """Return the number by which a JIT variant's kernels know a shape."""
+    return int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
 
 
 def mitsuba_mesh(key: str, mesh: trimesh.Trimesh, bsdf: Any, smooth: bool) -> Any:
@@ -158,24 +182,26 @@ def build_geometry(
         Where the markers really are; the target's own pattern by default.
     """
     labels = (*target.part_names, MARKER_LABEL, CHASER_LABEL)
-    bsdfs = {
-        name: mi.load_dict(bsdf_dict(MATERIALS[name]))
-        for name in sorted(
-            {part.material for craft in (target, chaser) if craft for part in craft.parts}
-        )
+    surface_of_material = {
+        part.material: surface_of(MATERIALS[part.material])
+        for craft in (target, chaser)
+        if craft
+        for part in craft.parts
     }
+    bsdfs = {name: mi.load_dict(bsdf_dict(s)) for name, s in sorted(surface_of_material.items())}
     shapes: dict[str, Any] = {}
     label_of_shape: dict[str, int] = {}
+    surface_of_shape: dict[str, Surface] = {}
     chaser_in_cam: dict[str, Floats] = {}
     for number, ((name, material, smooth), mesh) in enumerate(_merged(target.parts).items()):
         key = f"target_{number:03d}"
         shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
         label_of_shape[key] = labels.index(name) + 1
+        surface_of_shape[key] = surface_of_material[material]
     markers = installed if installed is not None else target.markers
     if markers is not None:
-        whole = retroreflector_dict(optics)
-        scalar = not dr.is_jit_v(mi.Float)
-        face = mi.load_dict(bsdf_dict(optics.face, two_sided=False) if scalar else whole)
+        disc = surface_of_disc(optics)
+        face = mi.load_dict(bsdf_dict(disc))
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True
         ):
@@ -183,13 +209,17 @@ def build_geometry(
             mesh = disc_mesh(point, normal, markers.radius_m)
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
+            surface_of_shape[key] = disc
     if chaser is not None:
         for number, ((_, material, smooth), mesh) in enumerate(_merged(chaser.parts).items()):
             key = f"chaser_{number:03d}"
             shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
             label_of_shape[key] = labels.index(CHASER_LABEL) + 1
+            surface_of_shape[key] = surface_of_material[material]
             chaser_in_cam[key] = np.asarray(mesh.vertices, dtype=np.float64)
-    return SceneGeometry(shapes, labels, label_of_shape, chaser_in_cam, markers, optics)
+    return SceneGeometry(
+        shapes, labels, label_of_shape, surface_of_shape, chaser_in_cam, markers, optics
+    )
 
 
 def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:

@@ -6,6 +6,9 @@ rest of the image is dark and need not be traced.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from itertools import product
+
 import cv2
 import numpy as np
 
@@ -17,24 +20,50 @@ from models.spacecraft.part import Spacecraft
 
 MARGIN_PX = 2  # half a pixel, and the rounding of corners
 NEAREST_M = 0.1  # a corner nearer than this has no picture to speak of
+CUBE = np.array(list(product((-1.0, 1.0), repeat=3)))  # around a disc, whatever way it faces
+
+
+def pieces_of(
+    target: Spacecraft, chaser: Spacecraft | None, cam_from_target: RigidTransform
+) -> Iterator[Floats]:
+    """Yield the corners of everything that could be seen, (n, 3), m, target frame."""
+    for part in target.parts:
+        yield np.asarray(part.mesh.vertices, dtype=np.float64)
+    if target.markers is not None:
+        for point in target.markers.points_in_target:
+            yield point + target.markers.radius_m * CUBE
+    if chaser is not None:
+        target_from_cam = cam_from_target.inverse()
+        for part in chaser.parts:
+            yield target_from_cam @ np.asarray(part.mesh.vertices, dtype=np.float64)
 
 
 def pixels_in_view(
-    spacecraft: Spacecraft, camera: Camera, cam_from_target: RigidTransform
+    pieces: Iterable[Floats], camera: Camera, cam_from_target: RigidTransform
 ) -> Mask | None:
-    """Return the pixels that a spacecraft can fill, with some to spare.
+    """Return the pixels that some pieces can fill, with some to spare.
+
+    Parameters
+    ----------
+    pieces : iterable of (n, 3) arrays, m
+        Corners in the target frame; each piece lies within their convex hull.
+    camera : Camera
+    cam_from_target : RigidTransform
 
     Returns
     -------
     (height, width) array of bool, or None
-        None where it cannot be told: the lens bends straight edges, or stands among the parts.
+        None where it cannot be told: the lens bends straight edges, or stands among the pieces.
     """
     if camera.distorted:
         return None
     drawn = np.zeros((camera.height, camera.width), dtype=np.uint8)
     farthest = 4.0 * max(camera.width, camera.height)
-    for part in spacecraft.parts:
-        in_cam = cam_from_target @ np.asarray(part.mesh.vertices, dtype=np.float64)
+    sides = _sides(camera)
+    for piece in pieces:
+        in_cam = cam_from_target @ piece
+        if (in_cam @ sides.T < 0.0).all(axis=0).any():
+            continue  # all of it beyond one side of the image, or behind the camera
         if in_cam[:, 2].min() < NEAREST_M:
             return None
         pixels = camera.project(in_cam)
@@ -44,6 +73,24 @@ def pixels_in_view(
         cv2.fillConvexPoly(drawn, hull, 1)
         cv2.polylines(drawn, [hull], isClosed=True, color=1, thickness=2 * MARGIN_PX + 1)
     return drawn.astype(np.bool_)
+
+
+def _sides(camera: Camera) -> Floats:
+    """Return planes through the lens, (5, 3): a point in the image is on the positive side of all.
+
+    The sides of the image, with the margin, and the plane of the lens.
+    """
+    low, margin = -0.5 - MARGIN_PX, 0.5 + MARGIN_PX
+    right, bottom = camera.width - 1 + margin, camera.height - 1 + margin
+    return np.array(
+        [
+            [camera.fx, 0.0, camera.cx - low],
+            [-camera.fx, 0.0, right - camera.cx],
+            [0.0, camera.fy, camera.cy - low],
+            [0.0, -camera.fy, bottom - camera.cy],
+            [0.0, 0.0, 1.0],
+        ]
+    )
 
 
 def sees(camera: Camera, cam_from_target: RigidTransform, earth: Earth) -> bool:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats, Mask
+from models.arrays import Floats
 from models.dataset import FILTERED, FrameEntry
 from models.errors import ScenarioError
 from models.frame import FlightKnowledge
@@ -27,10 +27,9 @@ from models.relative_state import ChaserState
 from models.spacecraft.wireframes import wireframe_by_name
 from models.uncooperative import UncooperativeKnowledge
 from models.wireframe import Wireframe
-from renders.light_groups import EarthGroup, LampGroup, SunGroup
+from renders.light_groups import LampGroup, SunGroup
 from renders.scenario import Scenario
 from renders.scenario_tumble import TumbleTable
-from renders.silhouette import pixels_in_view, sees
 from renders.world import Exposure, Trajectory, World
 
 SHORTEST_S = 1.0  # a motion of one frame lasts, too
@@ -109,18 +108,6 @@ class TumbleWorld(World):
         position = self.tumble.chaser_state(time_s).position_in_inertial
         distance = float(np.linalg.norm(position))
         return self.target_from_inertial(time_s) @ (-position / distance), 1e-3 * distance
-
-    def silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
-        """Return the pixels that the target can fill, (height, width); None: any."""
-        return pixels_in_view(self.target, self.camera, cam_from_target)
-
-    def in_view(self, exposure: Exposure) -> Mask | None:
-        """Return the pixels that can show any light, (height, width); None: any."""
-        cam_from_target = self.tumble.cam_from_target(exposure.time_s)
-        for group in self.groups(exposure):
-            if isinstance(group, EarthGroup) and sees(self.camera, cam_from_target, group.earth):
-                return None
-        return self.silhouette(cam_from_target)
 
     def lamps_of(self, band: int) -> list[LampGroup]:
         """Return every lamp that shines: a floodlight or none."""

@@ -38,6 +38,7 @@ from renders.light_groups import (
     SunGroup,
 )
 from renders.scenario import Scenario
+from renders.silhouette import pieces_of, pixels_in_view, sees
 
 PRIOR_DRAW, CALIBRATION_DRAW = 101, 102  # purposes that key a run's random numbers
 BANDS = (800, 850)
@@ -209,12 +210,17 @@ class World:
         return [*suns, *earths, *self.lamps_of(exposure.band)]
 
     def silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
-        """Return the pixels that the target can fill, (height, width); None: any."""
-        return None
+        """Return the pixels that spacecraft can fill, (height, width); None: any."""
+        pieces = pieces_of(self.target, self.chaser, cam_from_target)
+        return pixels_in_view(pieces, self.camera, cam_from_target)
 
     def in_view(self, exposure: Exposure) -> Mask | None:
         """Return the pixels that can show any light, (height, width); None: any."""
-        return None
+        cam_from_target = self.trajectory.cam_from_target(exposure.time_s)
+        for group in self.groups(exposure):
+            if isinstance(group, EarthGroup) and sees(self.camera, cam_from_target, group.earth):
+                return None
+        return self.silhouette(cam_from_target)
 
     def render_seed(self, frame: int) -> int:
         """Return the seed of both exposures of a frame: their noise cancels in the difference."""

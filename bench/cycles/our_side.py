@@ -17,31 +17,17 @@ import OpenEXR
 from bench.cycles.neutral_scene import NeutralMaterial, NeutralScene, NeutralSun, read_scene
 from models.arrays import AnyArray, Radiance
 from renders.light_groups import SUNLIGHT, SunGroup
+from renders.surfaces import Surface, bsdf_dict
 from renders.variant import activate, choose_variant
 
 CLEARANCE_M = 2e-4  # shadow rays of the truth start this far above the surface
 FAR_M = 1e3  # beyond anything in the scene
 
 
-def bsdf_of(material: NeutralMaterial) -> dict[str, Any]:
-    """Return a neutral material for ``mi.load_dict``: its two parts add up."""
-    weight = material.specular / max(material.diffuse + material.specular, 1e-9)
-
-    def grey(value: float) -> dict[str, Any]:
-        return {"type": "rgb", "value": [value] * 3}
-
-    diffuse = {"type": "diffuse", "reflectance": grey(material.diffuse / max(1.0 - weight, 1e-9))}
-    mirror = {
-        "type": "roughconductor",
-        "material": "none",
-        "distribution": "ggx",
-        "alpha": material.alpha,
-        "specular_reflectance": grey(material.specular / max(weight, 1e-9)),
-    }
-    if material.diffuse == 0.0 or material.specular == 0.0:
-        return {"type": "twosided", "bsdf": mirror if material.diffuse == 0.0 else diffuse}
-    blend = {"type": "blendbsdf", "weight": weight, "first": diffuse, "second": mirror}
-    return {"type": "twosided", "bsdf": blend}
+def surface_of(material: NeutralMaterial) -> Surface:
+    """Return a neutral material's lobes: its two parts add up, grey."""
+    matt, mirror = (material.diffuse,) * 3, (material.specular,) * 3
+    return Surface(matt, mirror, material.alpha)
 
 
 def geometry_of(scene: NeutralScene) -> Any:
@@ -50,8 +36,9 @@ def geometry_of(scene: NeutralScene) -> Any:
 
     from renders.scene import SceneGeometry
 
-    bsdfs = {name: mi.load_dict(bsdf_of(m)) for name, m in scene.materials.items()}
-    shapes, label_of_shape = {}, {}
+    surfaces = {name: surface_of(material) for name, material in scene.materials.items()}
+    bsdfs = {name: mi.load_dict(bsdf_dict(surface)) for name, surface in surfaces.items()}
+    shapes, label_of_shape, surface_of_shape = {}, {}, {}
     for number, mesh in enumerate(scene.meshes):
         key = f"mesh_{number:03d}"
         props = mi.Properties()
@@ -68,7 +55,8 @@ def geometry_of(scene: NeutralScene) -> Any:
         params.update()
         shapes[key] = shape
         label_of_shape[key] = scene.regions.index(mesh.region) + 1
-    return SceneGeometry(shapes, scene.regions, label_of_shape)
+        surface_of_shape[key] = surfaces[mesh.material]
+    return SceneGeometry(shapes, scene.regions, label_of_shape, surface_of_shape)
 
 
 def sun_group(sun: NeutralSun) -> SunGroup:
@@ -96,12 +84,15 @@ class OurRenderer:
     def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
         """Render the Suns, all in one pass."""
         from renders.radiance import Sampling, render_radiance
+        from renders.silhouette import pixels_in_view
 
         sampling = Sampling(samples, samples, self.max_depth, seed)
         camera, cam_from_target = self.neutral.camera, self.neutral.cam_from_target
         groups = [sun_group(sun) for sun in suns]
+        pieces = (mesh.vertices for mesh in self.neutral.meshes)
+        in_view = pixels_in_view(pieces, camera, cam_from_target)
         return render_radiance(
-            self.scene, self.geometry, camera, cam_from_target, groups, None, sampling
+            self.scene, self.geometry, camera, cam_from_target, groups, None, sampling, in_view
         )
 
     def truth(self) -> dict[str, AnyArray]:

@@ -56,7 +56,13 @@ def chosen(world: World, names: tuple[str, ...]) -> MarkerPattern:
 
 
 def window_charge(
-    world: World, scene: Any, markers: MarkerPattern, pose: RigidTransform, time_s: float, seed: int
+    world: World,
+    scene: Any,
+    surfaces: Any,
+    markers: MarkerPattern,
+    pose: RigidTransform,
+    time_s: float,
+    seed: int,
 ) -> Floats:
     """Return the mean charge, e, of an 850 nm exposure lit in these markers' windows alone.
 
@@ -73,7 +79,8 @@ def window_charge(
         (near, NEAR_SAMPLES, groups),
         (edge, render.marker_samples, groups[1:]),
     ):
-        traced = trace_groups(scene, camera, pose, lit, pixels, samples, render.max_depth, seed)
+        depth = render.max_depth
+        traced = trace_groups(scene, surfaces, camera, pose, lit, pixels, samples, depth, seed)
         for name, light in traced.items():
             images[name][pixels] = light
     light = {group: images[group.name].reshape(camera.height, -1) for group in groups}
@@ -101,7 +108,10 @@ def test_monte_carlo_noise_is_below_a_third_of_the_detectors(
     pose = world.approach.cam_from_target(time_s)
     place_chaser(scene, geometry, pose)
     markers = chosen(world, names)
-    first, second = (window_charge(world, scene, markers, pose, time_s, seed) for seed in (1, 2))
+    first, second = (
+        window_charge(world, scene, geometry.surfaces, markers, pose, time_s, seed)
+        for seed in (1, 2)
+    )
     rendered = (first - second) / np.sqrt(2.0)
     own = np.sqrt(first + world.scenario.detector.read_noise_e**2)
     windows = marker_windows(markers, world.camera, pose)

@@ -7,9 +7,12 @@ import pytest
 
 from models.materials import MATERIALS
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from renders.surfaces import surface_of_disc
 from tests.support.small_scenes import activate_best, needs_jit
+from tests.support.surfaces import chi_square, value
 
 OPTICS = RetroreflectorOptics()
+DISC = surface_of_disc(OPTICS)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -19,15 +22,8 @@ def _variant() -> None:
 
 def returned_share(incidence_deg: float, band: int) -> float:
     """Integrate f_r cos over the hemisphere on a fine grid about the incident direction."""
-    import mitsuba as mi
-
-    from renders.retroreflector import retroreflector_dict
-
-    bsdf = mi.load_dict(retroreflector_dict(OPTICS))
     angle = np.deg2rad(incidence_deg)
-    si = mi.SurfaceInteraction3f()
-    si.wi = mi.Vector3f(float(np.sin(angle)), 0.0, float(np.cos(angle)))
-    si.wavelengths = []
+    viewer = np.array([[np.sin(angle)], [0.0], [np.cos(angle)]])
     # The lobe ends at 2 deg: fine rings there, coarse ones beyond.
     edges = np.deg2rad(np.concatenate([np.linspace(0, 2.2, 221), np.linspace(2.2, 120, 400)[1:]]))
     middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
@@ -40,10 +36,8 @@ def returned_share(incidence_deg: float, band: int) -> float:
     z = np.array([np.sin(angle), 0.0, np.cos(angle)])
     directions = local @ np.stack([x, [0.0, 1.0, 0.0], z])
     weight = np.sin(theta) * width[:, None] * (2 * np.pi / 96)
-    flat = directions.reshape(-1, 3)
-    context = mi.BSDFContext()
-    value = np.array(bsdf.eval(context, si, mi.Vector3f(flat.T), True))[band]
-    return float((value * weight.ravel()).sum())
+    returned = value(DISC, viewer, directions.reshape(-1, 3).T)[band]
+    return float((returned * weight.ravel()).sum())
 
 
 @pytest.mark.parametrize("incidence_deg", [0.0, 15.0, 30.0, 60.0, 80.0])
@@ -91,11 +85,6 @@ def test_aperture_closes_and_stays_closed() -> None:
 
 def test_is_reciprocal() -> None:
     needs_jit()
-    import mitsuba as mi
-
-    from renders.retroreflector import retroreflector_dict
-
-    bsdf = mi.load_dict(retroreflector_dict(OPTICS))
     rng = np.random.default_rng(1)
     first = rng.normal(size=(2000, 3)) * [0.3, 0.3, 0.0] + [0, 0, 1]
     first /= np.linalg.norm(first, axis=1, keepdims=True)
@@ -103,10 +92,7 @@ def test_is_reciprocal() -> None:
     second /= np.linalg.norm(second, axis=1, keepdims=True)
 
     def f(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        si = mi.SurfaceInteraction3f()
-        si.wi = mi.Vector3f(a.T)
-        value = np.array(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(b.T), True))[2]
-        return np.asarray(value / b[:, 2])
+        return np.asarray(value(DISC, a.T, b.T)[2] / b[:, 2])
 
     forward, backward = f(first, second), f(second, first)
     assert (forward > 10.0).sum() > 500  # many of the pairs lie in the lobe
@@ -118,45 +104,11 @@ def test_is_reciprocal() -> None:
 def test_chi_square_of_its_sampling(incidence_deg: float) -> None:
     """Directions drawn follow the density that is claimed for them (Mitsuba's own chi-square)."""
     needs_jit()
-    import mitsuba as mi
-
-    from renders.retroreflector import retroreflector_dict
-
     wide = RetroreflectorOptics(half_angle_deg=8.0)  # the test's grid must resolve the lobe
-    bsdf = mi.load_dict(retroreflector_dict(wide))
     angle = np.deg2rad(incidence_deg)
-    wi = mi.ScalarVector3f(float(np.sin(angle)), 0.0, float(np.cos(angle)))
-
-    def sample(sample: mi.Vector2f) -> tuple[mi.Vector3f, mi.Float]:
-        si = interaction(wi)
-        rest = mi.sample_tea_float32(mi.UInt32(dr.arange(mi.UInt32, dr.width(sample))), 7)
-        drawn, _ = bsdf.sample(mi.BSDFContext(), si, rest, sample, True)
-        return drawn.wo, dr.select(drawn.pdf > 0.0, 1.0, 0.0)
-
-    import drjit as dr
-
-    def density(wo: mi.Vector3f) -> mi.Float:
-        return bsdf.pdf(mi.BSDFContext(), interaction(wi), wo, True)
-
-    test = mi.chi2.ChiSquareTest(
-        domain=mi.chi2.SphericalDomain(),
-        sample_func=sample,
-        pdf_func=density,
-        sample_dim=2,
-        sample_count=1_000_000,
-        res=201,
-        ires=32,
-    )
+    viewer = np.array([[np.sin(angle)], [0.0], [np.cos(angle)]])
+    test = chi_square(surface_of_disc(wide), viewer, 1_000_000, res=201, ires=32)
     assert test.run(), test.messages
-
-
-def interaction(wi: object) -> object:
-    """Return a surface interaction seen from ``wi``."""
-    import mitsuba as mi
-
-    si = mi.SurfaceInteraction3f()
-    si.wi = mi.Vector3f(wi)
-    return si
 
 
 def test_sunlight_is_not_returned_but_lights_the_face() -> None:

@@ -10,7 +10,6 @@ bounce, so rough mirrors lose light: what they lose is measured here, not hidden
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +17,9 @@ import pytest
 from models.arrays import Floats
 from models.materials import MATERIALS, BandReflectance, Material
 from models.spacecraft.mli_blanket import Blanket
+from renders.surfaces import Surface, surface_of
 from tests.support.small_scenes import needs_jit
+from tests.support.surfaces import chi_square, drawn, value
 
 NAMES = sorted(MATERIALS)
 INCIDENCE_DEG = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0)
@@ -39,52 +40,27 @@ def _variant() -> None:
 
 @dataclass(frozen=True)
 class Loaded:
-    """A material in the renderer, one-sided or not, asked about local directions."""
+    """A surface as the one-pass kernel has it, asked about local directions."""
 
-    bsdf: Any
+    surface: Surface
 
     @staticmethod
     def of(material: Material) -> Loaded:
-        import mitsuba as mi
-
-        from renders.surfaces import bsdf_dict
-
-        return Loaded(mi.load_dict(bsdf_dict(material)))
+        return Loaded(surface_of(material))
 
     def drawn(self, incidence_deg: float, seed: int = 1) -> tuple[Floats, Floats]:
         """Return sampled directions, (3, n), and their weights, (3, n)."""
-        import mitsuba as mi
-
-        rng = np.random.default_rng(seed)
-        choice = mi.Float(rng.random(SAMPLES, dtype=np.float32))
-        square = mi.Point2f(rng.random((2, SAMPLES), dtype=np.float32))
-        drawn, weight = self.bsdf.sample(
-            mi.BSDFContext(), seen_from(direction(incidence_deg)), choice, square, True
-        )
-        return np.array(drawn.wo, dtype=float), np.array(weight, dtype=float)
+        square = np.random.default_rng(seed).random((2, SAMPLES))
+        return drawn(self.surface, direction(incidence_deg), square)
 
     def value(self, wi: Floats, wo: Floats) -> Floats:
         """Return ``f cos``, (3, n), for pairs of directions, (3, n) or (3, 1)."""
-        import mitsuba as mi
-
-        into, out = np.broadcast_arrays(wi, wo)
-        value = self.bsdf.eval(mi.BSDFContext(), seen_from(into), mi.Vector3f(out), True)
-        return np.array(value, dtype=float).reshape(3, -1)
+        return value(self.surface, wi, wo)
 
 
 def direction(incidence_deg: float) -> Floats:
     angle = np.deg2rad(incidence_deg)
     return np.array([[np.sin(angle)], [0.0], [np.cos(angle)]])
-
-
-def seen_from(wi: Floats) -> Any:
-    import drjit as dr
-    import mitsuba as mi
-
-    si = dr.zeros(mi.SurfaceInteraction3f, wi.shape[1])
-    si.wi = mi.Vector3f(np.ascontiguousarray(wi))
-    dr.make_opaque(si.wi)  # as a literal each angle would be a kernel of its own
-    return si
 
 
 def rings_about(centre: Floats) -> tuple[Floats, Floats]:
@@ -215,26 +191,8 @@ def test_directions_are_drawn_with_the_density_that_weighs_them(
     family: str, incidence_deg: float
 ) -> None:
     """Mitsuba's own chi-square, in the hemisphere above the surface."""
-    import drjit as dr
-    import mitsuba as mi
-
-    bsdf = Loaded.of(MATERIALS[FAMILIES[family]]).bsdf
-    si = seen_from(direction(incidence_deg))
-
-    def sample(square: Any) -> tuple[Any, Any]:
-        rest = mi.sample_tea_float32(dr.arange(mi.UInt32, dr.width(square)), 7)
-        drawn, weight = bsdf.sample(mi.BSDFContext(), si, rest, square, True)
-        return drawn.wo, dr.select(dr.any(weight > 0.0), 1.0, 0.0)
-
-    test = mi.chi2.ChiSquareTest(
-        domain=mi.chi2.SphericalDomain(),
-        sample_func=sample,
-        pdf_func=lambda wo: bsdf.pdf(mi.BSDFContext(), si, wo, True),
-        sample_dim=2,
-        sample_count=400_000,
-        res=101,
-        ires=16,
-    )
+    surface = surface_of(MATERIALS[FAMILIES[family]])
+    test = chi_square(surface, direction(incidence_deg), 400_000, res=101, ires=16)
     assert test.run(), test.messages
 
 
@@ -276,16 +234,13 @@ def test_creased_foil_makes_no_light_of_its_smooth_shading() -> None:
 
 def test_glass_that_makes_no_room_for_its_reflections_would_be_caught() -> None:
     """A bright matt part plus a full Fresnel face returns more than it gets."""
-    import mitsuba as mi
-
-    from renders.surfaces import bsdf_dict
-
     pearl = replace(MATERIALS["solar_cell"], diffuse=BandReflectance(0.9, 0.9, 0.9), roughness=0.05)
     pearl = replace(pearl, specular=BandReflectance(0.01, 0.01, 0.01))
-    blend = bsdf_dict(pearl, two_sided=False)
-    honest = albedo_by_quadrature(Loaded(mi.load_dict(blend)), 85.0)
+    surface = surface_of(pearl)
+    honest = albedo_by_quadrature(Loaded(surface), 85.0)
     assert (honest <= 1.0).all()
-    naive = honest + 0.9 * albedo_by_quadrature(Loaded(mi.load_dict(blend["second"])), 85.0)
+    bare = replace(surface, matt=(0.0, 0.0, 0.0), mirror=(1.0, 1.0, 1.0))
+    naive = honest + 0.9 * albedo_by_quadrature(Loaded(bare), 85.0)
     assert (naive > 1.0 + FOUR_SIGMA * QUADRATURE).all()
 
 

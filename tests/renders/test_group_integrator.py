@@ -22,6 +22,7 @@ from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.group_integrator import MOST_LANES, lanes_per_pixel, trace_groups
 from renders.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
+from renders.surface_table import SurfaceTable
 from tests.support.small_scenes import LAMBERT, camera_at, discs, needs_jit, plate, rendered
 
 CAMERA = Camera.from_fov(24, 16, 40.0)
@@ -43,7 +44,7 @@ OTHERS: list[LightGroup] = [sun("S1"), LampGroup("lamps_800", LAMPS_800, NIR800)
 
 
 @cache
-def corner() -> tuple[Any, RigidTransform]:
+def corner() -> tuple[Any, SurfaceTable, RigidTransform]:
     """Return a scene where light goes round: a plate, a wall, a rough mirror, two markers."""
     from renders.scene import build_geometry
 
@@ -54,7 +55,7 @@ def corner() -> tuple[Any, RigidTransform]:
     parts = (*floor.parts, Part("wall", wall, "mli_gold"), Part("ball", mirror, "bare_aluminium"))
     craft = Spacecraft("corner", parts, markers, np.zeros(3))
     geometry = build_geometry(craft, None, RetroreflectorOptics())
-    return geometry.scene(), camera_at(np.array([0.4, 0.1, 4.0]))
+    return geometry.scene(), geometry.surfaces, camera_at(np.array([0.4, 0.1, 4.0]))
 
 
 def traced(
@@ -64,8 +65,8 @@ def traced(
     seed: int = 5,
     max_depth: int = 4,
 ) -> dict[str, Radiance]:
-    scene, pose = corner()
-    return trace_groups(scene, CAMERA, pose, groups, pixels, samples, max_depth, seed)
+    scene, surfaces, pose = corner()
+    return trace_groups(scene, surfaces, CAMERA, pose, groups, pixels, samples, max_depth, seed)
 
 
 # Independence
@@ -182,10 +183,11 @@ def test_samples_are_stratified_over_the_pixel_however_they_are_shared(samples: 
     half = trimesh.creation.box((2.0, 20.0, 0.02))
     half.apply_translation([left_edge + 1.0, 0.0, -0.01])
     craft = Spacecraft("half", (Part("half", half, LAMBERT),), None, np.zeros(3))
-    scene = build_geometry(craft, None, RetroreflectorOptics()).scene()
+    geometry = build_geometry(craft, None, RetroreflectorOptics())
     pixels = np.arange(9 * 200, dtype=np.uint32)
     light = SunGroup("sun", (0.0, 0.0, 1.0), angular_diameter_deg=1e-3)
-    image = trace_groups(scene, camera, camera_at([0, 0, reach]), [light], pixels, samples, 1, 3)
+    scene, pose = geometry.scene(), camera_at([0, 0, reach])
+    image = trace_groups(scene, geometry.surfaces, camera, pose, [light], pixels, samples, 1, 3)
     covered = (image["sun"] / image["sun"].max()).reshape(200, 9)
     np.testing.assert_array_equal(covered[:, :4], 0.0)
     np.testing.assert_allclose(covered[:, 5:], 1.0, rtol=1e-5)

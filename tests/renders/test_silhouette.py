@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,15 +10,16 @@ import numpy as np
 import pytest
 import trimesh
 
+from models.arrays import Floats
 from models.camera import Camera
 from models.lights.earth import Earth
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from renders.scenario import Scenario
-from renders.silhouette import MARGIN_PX, pixels_in_view, sees
+from renders.silhouette import MARGIN_PX, pieces_of, pixels_in_view, sees
 from renders.tumble_world import TumbleWorld, world_of
 from renders.windows import window_around
-from tests.support.small_scenes import needs_jit
+from tests.support.small_scenes import discs, needs_jit
 from tests.support.tumble_scenario import tumble_table
 
 ROUNDING_M = 1e-4  # 32 bits: a cropped film counts its pixels from elsewhere; more where aslant
@@ -30,13 +32,17 @@ def ball_at(*place: float) -> Spacecraft:
     return Spacecraft("ball", (Part("ball", mesh, "white_paint"),), None, np.zeros(3))
 
 
+def corners(craft: Spacecraft) -> Iterator[Floats]:
+    return pieces_of(craft, None, ahead(0.0))
+
+
 def ahead(range_m: float) -> RigidTransform:
     return RigidTransform(np.eye(3), np.array([0.0, 0.0, range_m]))
 
 
 def test_a_ball_fills_its_disc_and_a_margin() -> None:
     """A ball of radius 1 at d fills a disc of f tan(asin(1/d)); its mesh is a little smaller."""
-    seen = pixels_in_view(ball_at(0.0, 0.0, 0.0), CAMERA, ahead(10.0))
+    seen = pixels_in_view(corners(ball_at(0.0, 0.0, 0.0)), CAMERA, ahead(10.0))
     assert seen is not None
     v, u = np.mgrid[0:48, 0:64]
     off_px = np.hypot(u - CAMERA.cx, v - CAMERA.cy)
@@ -47,9 +53,31 @@ def test_a_ball_fills_its_disc_and_a_margin() -> None:
 
 
 def test_where_it_cannot_be_told_all_pixels_are_in_view() -> None:
-    assert pixels_in_view(ball_at(0.0, 0.0, 0.0), CAMERA, ahead(0.5)) is None  # among the parts
+    ball = ball_at(0.0, 0.0, 0.0)
+    assert pixels_in_view(corners(ball), CAMERA, ahead(0.5)) is None  # among the parts
     bent = replace(CAMERA, k1=-0.1)
-    assert pixels_in_view(ball_at(0.0, 0.0, 0.0), bent, ahead(10.0)) is None
+    assert pixels_in_view(corners(ball), bent, ahead(10.0)) is None
+
+
+@pytest.mark.parametrize("place", [(0, 0, -3), (9, 0, 0), (-9, 0, 5), (0, 9, 0), (0, -9, 0)])
+def test_a_piece_beyond_a_side_of_the_image_or_behind_the_camera_is_left_out(
+    place: tuple[float, float, float],
+) -> None:
+    """However near it is: the camera stands among the parts of its own chaser."""
+    seen = pixels_in_view(corners(ball_at(*place)), CAMERA, ahead(0.5))
+    assert seen is not None
+    assert not seen.any()
+
+
+def test_the_chasers_own_parts_and_the_markers_are_pieces_too() -> None:
+    craft = ball_at(0.0, 0.0, 0.0)
+    marker = discs(np.array([[3.0, 0.0, 0.0]]), 0.1)
+    pieces = pieces_of(replace(craft, markers=marker), ball_at(0.0, 3.0, 10.0), ahead(10.0))
+    seen = pixels_in_view(pieces, CAMERA, ahead(10.0))
+    assert seen is not None
+    for x, y in ((0.0, 0.0), (3.0, 0.0), (0.0, 3.0), (3.0, 3.0)):
+        u, v = np.rint(CAMERA.project(np.array([x, y, 10.0]))).astype(int)
+        assert seen[v, u] == ((x, y) != (3.0, 3.0))
 
 
 def test_the_least_window_holds_them_and_no_row_or_column_more() -> None:

@@ -24,9 +24,9 @@ def _variant() -> None:
 def loaded(material: Material, two_sided: bool = True) -> Any:
     import mitsuba as mi
 
-    from renders.surfaces import bsdf_dict
+    from renders.surfaces import bsdf_dict, surface_of
 
-    return mi.load_dict(bsdf_dict(material, two_sided))
+    return mi.load_dict(bsdf_dict(replace(surface_of(material), two_sided=two_sided)))
 
 
 def seen_from(angle_deg: float, below: bool = False) -> Any:
