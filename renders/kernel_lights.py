@@ -25,15 +25,18 @@ class SunLight:
 
     def __init__(self, group: SunGroup) -> None:
         self.channel = group.channel
-        self.radius = group.sine_of_radius
         self.irradiance = dr.opaque(mi.Float, group.irradiance_w_m2)
-        self.direction = _opaque_vector(group.direction_in_target)
+        centre = np.array(group.direction_in_target)
+        helper = np.eye(3)[int(np.argmin(np.abs(centre)))]
+        across = np.cross(centre, helper)
+        across *= group.sine_of_radius / np.linalg.norm(across)
+        self.direction = _opaque_vector(centre)
+        self.across = _opaque_vector(across)  # as long as the disc's radius
+        self.along = _opaque_vector(np.cross(centre, across))
 
     def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
         """Return (unit direction to the light, distance or inf, irradiance facing it)."""
-        frame = mi.Frame3f(self.direction)
-        offset = self.radius * disc
-        towards = dr.normalize(self.direction + frame.s * offset.x + frame.t * offset.y)
+        towards = dr.normalize(self.direction + self.across * disc.x + self.along * disc.y)
         return towards, mi.Float(dr.inf), self.irradiance
 
 

@@ -126,7 +126,7 @@ class SurfaceSeen:
         self.mirror_share = of(table.mirror_share)
         self.width = self.roughness * self.roughness
         self.cosine = dr.dot(self.shading_normal, towards_viewer)
-        self.seen_facets = 0.5 / (dr.pi * self.cosine * (1.0 + self._slope(self.cosine)))
+        self.seen_facets = 0.5 * self.width / (dr.pi * (self.cosine + self._slant(self.cosine)))
         self.returned = None
         if table.returned is not None:
             self.returned = {band: of(table.returned[band]) for band in bands}
@@ -134,15 +134,22 @@ class SurfaceSeen:
             self.glass_index = of(table.glass_index)
             self.return_share = of(table.return_share)
 
-    def _slope(self, cosine: Any) -> Any:
-        """Return ``1 + 2 Lambda`` of Smith's shadowing, whose G1 is ``2 / (2 + 2 Lambda)``."""
+    def _slant(self, cosine: Any) -> Any:
+        """Return ``c (1 + 2 Lambda)`` of Smith's shadowing, whose G1 is ``2 c / (c + that)``."""
         squared = cosine * cosine
-        return dr.sqrt(1.0 + self.width * (1.0 - squared) / squared)
+        return dr.sqrt(squared + self.width * (1.0 - squared))
 
-    def _facets(self, half_cosine: Any) -> Any:
-        """Return the density of directions that visible facets reflect into, 1/sr."""
-        spread = half_cosine * half_cosine * (self.width - 1.0) + 1.0
-        return self.width / (spread * spread) * self.seen_facets
+    def _spread(self, cosine: Any, half_squared: Any) -> Any:
+        """Return what GGX's density is the inverse square of, but for its width.
+
+        The cosine ``n.h`` of the half vector is ``(n.v + n.l) / |v + l|``.
+        """
+        both = self.cosine + cosine
+        return 1.0 + both * both / half_squared * (self.width - 1.0)
+
+    def _half_squared(self, towards: Any) -> Any:
+        """Return ``|v + l|^2``, not as ``2 + 2 v.l``: where light grazes, that has few digits."""
+        return dr.squared_norm(self.towards_viewer + towards)
 
     def value(self, band: int, towards: Any) -> Any:
         """Return ``f cos`` towards the viewer of light from a direction, 1/sr.
@@ -155,16 +162,18 @@ class SurfaceSeen:
             caller to discard.
         """
         cosine = dr.dot(self.shading_normal, towards)
-        half = dr.normalize(self.towards_viewer + towards)
-        half_cosine = dr.dot(self.shading_normal, half)
-        mirrored = self._facets(half_cosine) * self.mirror[band] * 2.0
-        mirrored /= 1.0 + self._slope(cosine)
+        half_squared = self._half_squared(towards)
+        spread = self._spread(cosine, half_squared)
+        mirrored = 2.0 * self.mirror[band] * self.seen_facets * cosine
+        mirrored /= spread * spread * (cosine + self._slant(cosine))
         if self.indices is not None:
             index = self.indices[band]
-            share = mi.fresnel(dr.dot(self.towards_viewer, half), dr.maximum(index, 1.0))[0]
+            incidence_cosine = 0.5 * dr.sqrt(half_squared)
+            share = mi.fresnel(incidence_cosine, dr.maximum(index, 1.0))[0]
             mirrored *= dr.select(index > 0.0, share, 1.0)
         total = self.matt[band] * cosine + mirrored
         if self.returned is not None:
+            half_cosine = (self.cosine + cosine) * dr.rsqrt(half_squared)
             lobe = self.returned[band] * active_aperture(half_cosine, self.glass_index) * cosine
             within = dr.dot(self.towards_viewer, towards) >= self.cone_cosine
             within &= self.returned[band] > 0.0
@@ -179,8 +188,8 @@ class SurfaceSeen:
     def density(self, towards: Any) -> Any:
         """Return the density with which ``sample`` draws a direction, 1/sr."""
         cosine = dr.dot(self.shading_normal, towards)
-        half = dr.normalize(self.towards_viewer + towards)
-        facets = self._facets(dr.dot(self.shading_normal, half))
+        spread = self._spread(cosine, self._half_squared(towards))
+        facets = self.seen_facets / (spread * spread)
         face = self.mirror_share * facets + (1.0 - self.mirror_share) * cosine / dr.pi
         if self.returned is None:
             return face
