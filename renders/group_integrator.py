@@ -101,7 +101,7 @@ def _trace(
                 dark = scene.ray_test(shadow, depth == 0, facing)
                 sums[number] += dr.select(facing & ~dark, share, 0.0)
             depth += 1
-            active &= (depth < segments) & surface.lit
+            active &= (depth < segments) & surface.reflects
             direction, ray_density, weights = surface.sample(points_2d(index, key, pair + 2))
             carried = mi.Bool(False)
             for band in bands:

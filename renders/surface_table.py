@@ -54,9 +54,8 @@ class SurfaceTable:
         optics = [s.retroreflector for s in surfaces]
         self.returned = None
         if any(optics):
-            self.returned = [
-                _column(o.returned.bands[band] if o else 0.0 for o in optics) for band in range(3)
-            ]
+            returned = [[o.returned.bands[band] if o else 0.0 for o in optics] for band in range(3)]
+            self.returned = [_column(each) if any(each) else None for each in returned]
             angles = [np.deg2rad(o.half_angle_deg) if o else 0.0 for o in optics]
             self.cone_cosine = _column(float(np.cos(angle)) for angle in angles)
             self.cone_sine = _column(float(np.sin(angle)) for angle in angles)
@@ -114,9 +113,9 @@ class SurfaceSeen:
         self.shading_normal = dr.select(dr.dot(smooth, towards_viewer) > 0.0, smooth, flat)
         self.towards_viewer = towards_viewer
         self.bands = bands
-        self.lit = active
+        self.reflects = active
         if table.two_sided is not None:
-            self.lit = active & ((side > 0.0) | (of(table.two_sided) > 0.0))
+            self.reflects = active & ((side > 0.0) | (of(table.two_sided) > 0.0))
         self.matt = {band: of(table.matt[band]) for band in bands}
         self.mirror = {band: of(table.mirror[band]) for band in bands}
         self.indices = None
@@ -129,7 +128,10 @@ class SurfaceSeen:
         self.seen_facets = 0.5 * self.width / (dr.pi * (self.cosine + self._slant(self.cosine)))
         self.returned = None
         if table.returned is not None:
-            self.returned = {band: of(table.returned[band]) for band in bands}
+            columns = {band: table.returned[band] for band in bands}
+            self.returned = {
+                band: of(column) for band, column in columns.items() if column is not None
+            }
             self.cone_cosine, self.cone_sine = of(table.cone_cosine), of(table.cone_sine)
             self.glass_index = of(table.glass_index)
             self.return_share = of(table.return_share)
@@ -172,7 +174,7 @@ class SurfaceSeen:
             share = mi.fresnel(incidence_cosine, dr.maximum(index, 1.0))[0]
             mirrored *= dr.select(index > 0.0, share, 1.0)
         total = self.matt[band] * cosine + mirrored
-        if self.returned is not None:
+        if self.returned and band in self.returned:  # a cube sends no sunlight back to the camera
             half_cosine = (self.cosine + cosine) * dr.rsqrt(half_squared)
             lobe = self.returned[band] * active_aperture(half_cosine, self.glass_index) * cosine
             within = dr.dot(self.towards_viewer, towards) >= self.cone_cosine
@@ -183,7 +185,7 @@ class SurfaceSeen:
     def faces(self, towards: Any) -> Any:
         """Tell whether a direction is above the surface, as it is and as it is shaded."""
         above = dr.dot(self.normal, towards) > 0.0
-        return self.lit & above & (dr.dot(self.shading_normal, towards) > 0.0)
+        return self.reflects & above & (dr.dot(self.shading_normal, towards) > 0.0)
 
     def density(self, towards: Any) -> Any:
         """Return the density with which ``sample`` draws a direction, 1/sr."""

@@ -152,7 +152,7 @@ def test_where_the_smooth_normal_faces_away_the_flat_one_shades() -> None:
 def test_the_back_of_a_one_sided_surface_is_black_and_ends_the_path() -> None:
     disc = surface_of_disc(RetroreflectorOptics())
     below = np.array([[0.0], [0.0], [-1.0]])
-    assert not np.array(seen_from(disc, below).lit).any()
+    assert not np.array(seen_from(disc, below).reflects).any()
     assert (value(disc, below, below) == 0.0).all()
     _, weights = drawn(disc, below, np.random.default_rng(1).random((2, 100)))
     assert (weights == 0.0).all()
