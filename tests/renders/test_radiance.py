@@ -188,13 +188,22 @@ def test_suns_do_not_pay_for_the_samples_of_outlines() -> None:
 
 
 def test_the_same_seed_gives_both_exposures_of_a_pair_the_same_noise() -> None:
-    """Sunlight 33 ms later is nearly the same light: with one seed its noise nearly cancels."""
+    """Sunlight 33 ms later is nearly the same light: with one seed its noise nearly cancels.
+
+    A few pixels that an edge crosses in between do not; over eight seeds they are a tenth of the
+    variance that two seeds leave.
+    """
     needs_jit()
     later = RigidTransform(POSE.rotation, POSE.translation + np.array([0.0, 0.0, -0.0005]))
-    pair = [images(None, 4, 4, seed=3, pose=pose, depth=3)["sun"] for pose in (POSE, later)]
-    other = images(None, 4, 4, seed=4, pose=POSE, depth=3)["sun"]
-    common = np.std(pair[0] - pair[1])
-    assert common < 0.3 * np.std(pair[0] - other)
+
+    def sunlit(seed: int, pose: RigidTransform) -> Radiance:
+        return images(None, 4, 4, seed=seed, pose=pose, depth=3)["sun"]
+
+    seeds = range(3, 11)
+    common = [np.var(sunlit(seed, POSE) - sunlit(seed, later)) for seed in seeds]
+    own = [np.var(sunlit(seed, POSE) - sunlit(seed + 100, POSE)) for seed in seeds]
+    a_tenth, slack = 0.1, 2.0
+    assert np.mean(common) < slack * a_tenth * np.mean(own)
 
 
 def test_markers_that_face_away_need_no_outline() -> None:
