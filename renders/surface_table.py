@@ -1,8 +1,8 @@
 """Surfaces as the one-pass kernel reads them: a table of numbers, and their lobes in closed form.
 
 One table and one formula serve every material, so that a kernel calls no function per material and
-light: of 36 Suns' light that was a third of the time that is not Embree's. The same lobes are
-Mitsuba's ``diffuse``, ``roughconductor`` and ``blendbsdf``, against which they are tested.
+light; docs/decisions.md tells what that saves. The same lobes are Mitsuba's ``diffuse``,
+``roughconductor`` and ``blendbsdf``, against which they are tested.
 
 Sources: GGX and its Smith shadowing, Walter et al. 2007, equations 33 and 34; visible normals,
 Heitz 2018, as Mitsuba draws them.
@@ -63,8 +63,7 @@ class SurfaceTable:
             self.return_share = _column(
                 RETURN_SHARE if o and max(o.returned.bands) > 0.0 else 0.0 for o in optics
             )
-        everything = list(vars(self).values())
-        dr.make_opaque(everything)
+        dr.make_opaque(list(vars(self).values()))
 
     def seen(self, si: Any, ray: Any, bands: Sequence[int], active: Any) -> SurfaceSeen:
         """Return what surfaces are where rays met them."""

@@ -190,8 +190,8 @@ def test_suns_do_not_pay_for_the_samples_of_outlines() -> None:
 def test_the_same_seed_gives_both_exposures_of_a_pair_the_same_noise() -> None:
     """Sunlight 33 ms later is nearly the same light: with one seed its noise nearly cancels.
 
-    A few pixels that an edge crosses in between do not; over eight seeds they are a tenth of the
-    variance that two seeds leave.
+    A few pixels that an edge crosses in between do not: over eight seeds they leave 0.06 to 0.08
+    of the variance that two seeds leave, over one seed anything from 0 to 0.15.
     """
     needs_jit()
     later = RigidTransform(POSE.rotation, POSE.translation + np.array([0.0, 0.0, -0.0005]))
@@ -202,8 +202,8 @@ def test_the_same_seed_gives_both_exposures_of_a_pair_the_same_noise() -> None:
     seeds = range(3, 11)
     common = [np.var(sunlit(seed, POSE) - sunlit(seed, later)) for seed in seeds]
     own = [np.var(sunlit(seed, POSE) - sunlit(seed + 100, POSE)) for seed in seeds]
-    a_tenth, slack = 0.1, 2.0
-    assert np.mean(common) < slack * a_tenth * np.mean(own)
+    a_tenth = 0.1
+    assert np.mean(common) < a_tenth * np.mean(own)
 
 
 def test_markers_that_face_away_need_no_outline() -> None:
