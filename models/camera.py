@@ -105,7 +105,10 @@ class Camera:
 
     def distort(self, normalised: ArrayLike) -> Floats:
         """Map undistorted normalised coordinates (n, 2) to distorted ones (Brown 1966)."""
-        x, y = np.moveaxis(np.asarray(normalised, dtype=np.float64), -1, 0)
+        ideal = np.asarray(normalised, dtype=np.float64)
+        if not self.distorted:
+            return ideal.copy()
+        x, y = np.moveaxis(ideal, -1, 0)
         r2 = x * x + y * y
         radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
         return np.stack(

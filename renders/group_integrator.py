@@ -6,7 +6,9 @@ random numbers of a pixel depend on the seed and the pixel alone, not on the lig
 that is rendered; how its samples are added up does not either: equal seeds give equal bits.
 
 No path is ended by chance (Russian roulette): sixteen lanes walk the scene together, so that a dead
-lane saves little, and what it loses shows as noise. Measured, not assumed; see docs/decisions.md.
+lane saves little, and what it loses shows as noise. Shadow rays are: a light that would add little
+to what its path already brought is asked for by chance, in proportion, and then counts for more.
+Measured, not assumed; see docs/decisions.md.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED, lo
 START_PER_M = 2e-6  # a hit's place is exact to some 2e-7 of its largest coordinate
 MOST_LANES = 16  # of a pixel, as many as a wide packet; more samples are walked in turns
 ADDED_LANES = 8  # in the kernel: one packet's or two's, whose sum does not depend on their order
+FAINT = 0.3  # of what a light's samples brought so far: what adds less is left to chance
 CUDA_SAMPLES = 16  # a lane there walks at least as many: the sums of all lie in memory
 
 
@@ -77,6 +80,7 @@ def _trace(
         depth = mi.UInt32(0)
         active = mi.Bool(True)
         ray_density = mi.Float(dr.inf)  # of its direction; the camera's rays are certain
+        faint = FAINT / mi.Float(index - first + 1)
         while active:
             si = scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, depth == 0, active)
             escaped = active & ~si.is_valid()
@@ -95,11 +99,12 @@ def _trace(
                 share *= throughput[light.channel] * irradiance
                 if dr.hint(light.wide, mode="scalar"):
                     share *= power_share(light.density, surface.density(towards))
-                facing = surface.faces(towards) & (share > 0.0)
+                least = faint * sums[number]
+                facing = surface.faces(towards) & (share > choice.y * least)
                 shadow = leaving(si.p, surface.normal, towards)
                 shadow.maxt = distance * (1.0 - 1e-4)
                 dark = scene.ray_test(shadow, depth == 0, facing)
-                sums[number] += dr.select(facing & ~dark, share, 0.0)
+                sums[number] += dr.select(facing & ~dark, dr.maximum(share, least), 0.0)
             depth += 1
             active &= (depth < segments) & surface.reflects
             direction, ray_density, weights = surface.sample(points_2d(index, key, pair + 2))

@@ -15,7 +15,7 @@ from renders.light_groups import LightGroup
 from renders.store import entry_key
 from renders.world import Exposure, World
 
-PHYSICS_VERSION = 5  # raise it when the same scenario gives other light
+PHYSICS_VERSION = 6  # raise it when the same scenario gives other light
 
 
 def spacecraft_hash(spacecraft: Spacecraft) -> str:

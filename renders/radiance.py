@@ -63,10 +63,12 @@ def tiled_pixels(width: int, height: int) -> AnyArray:
     -------
     (width * height,) uint32 array, indices ``row * width + column``.
     """
-    row, column = np.divmod(np.arange(width * height, dtype=np.int64), width)
-    tile = (row // TILE_PX) * (width // TILE_PX + 1) + column // TILE_PX
-    order = np.lexsort((column, row, tile))
-    return order.astype(np.uint32)
+    down, across = -(-height // TILE_PX), -(-width // TILE_PX)
+    beyond = width * height
+    padded = np.full((down * TILE_PX, across * TILE_PX), beyond, dtype=np.uint32)
+    padded[:height, :width] = np.arange(beyond, dtype=np.uint32).reshape(height, width)
+    tiles = padded.reshape(down, TILE_PX, across, TILE_PX).swapaxes(1, 2).ravel()
+    return tiles[tiles < beyond]
 
 
 def marker_windows(

@@ -20,6 +20,7 @@ from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from renders import group_integrator
 from renders.group_integrator import MOST_LANES, lanes_per_pixel, trace_groups
 from renders.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
 from renders.surface_table import SurfaceTable
@@ -67,6 +68,41 @@ def traced(
 ) -> dict[str, Radiance]:
     scene, surfaces, pose = corner()
     return trace_groups(scene, surfaces, CAMERA, pose, groups, pixels, samples, max_depth, seed)
+
+
+FOUR_SIGMA = 4.0  # once in 16,000 by chance; fixed seeds, so it never flickers
+LITTLE_NOISE = 1.05  # in variance: what faint light left to chance may cost
+
+
+# Faint light
+
+
+@cache
+def frames(faint: float) -> AnyArray:
+    """Return what three lights give under many seeds, (seeds, lights, pixels), W m-2 sr-1."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(group_integrator, "FAINT", faint)
+        found = [traced([sun("S1"), sun("S6"), LAMPS], seed=seed) for seed in range(48)]
+    return np.stack([np.stack(list(images.values())) for images in found]).astype(np.float64)
+
+
+@pytest.mark.parametrize("faint", [group_integrator.FAINT, 10.0])
+def test_faint_light_left_to_chance_is_right_on_average(faint: float) -> None:
+    """Beside every shadow ray cast; a tenfold threshold leaves nearly all of them to chance."""
+    certain, by_chance = frames(0.0), frames(faint)
+    difference = (by_chance - certain).mean(axis=2)
+    spread = difference.std(axis=0, ddof=1) / np.sqrt(len(difference))
+    assert (spread > 0.0).all()
+    assert (spread < 0.005 * certain.mean(axis=(0, 2))).all()
+    assert (np.abs(difference.mean(axis=0)) < FOUR_SIGMA * spread).all()
+
+
+def test_faint_light_left_to_chance_adds_little_noise() -> None:
+    certain, by_chance = (
+        frames(faint).var(axis=0, ddof=1) for faint in (0.0, group_integrator.FAINT)
+    )
+    ratio = by_chance.sum(axis=1) / certain.sum(axis=1)
+    assert (ratio < LITTLE_NOISE).all()
 
 
 # Independence
