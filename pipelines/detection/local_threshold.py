@@ -11,7 +11,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from models.arrays import Floats, Mask
+from models.arrays import Floats, Image, Mask
 from models.frame import Frame
 from models.sensor import Detector
 from pipelines.detection.blobs import Blobs, find_blobs
@@ -42,9 +42,16 @@ def _seed_threshold_dn(
 
 
 def _cut_at_half_height(
-    difference: Floats, own: Mask, areas_px: tuple[float, float], options: ChaserFixedOptions
+    difference: Floats,
+    own: Mask,
+    rim: Mask,
+    areas_px: tuple[float, float],
+    options: ChaserFixedOptions,
 ) -> Candidates:
-    """Cut one seed's crop at half height; usually one blob is left, rarely more."""
+    """Cut one seed's crop at half height; usually one blob is left, rarely more.
+
+    A blob that reaches the region's ``rim`` goes on beyond it: another region shows it whole.
+    """
     inside = np.sort(difference[own])[::-1]
     # Half of the smallest expected disc is brighter than this, whatever else hangs on the seed.
     peak = float(inside[min(int(0.5 * areas_px[0]), len(inside) - 1)])
@@ -54,11 +61,23 @@ def _cut_at_half_height(
     area_fits = (blobs.area_px >= LEAST_AREA * areas_px[0]) & (
         blobs.area_px <= max(LARGEST_AREA * areas_px[1], areas_px[1] + 8.0)
     )
-    blobs = blobs.kept(area_fits)
+    on_rim = np.bincount(blobs.label, rim[blobs.rows, blobs.columns], minlength=len(blobs)) > 0.0
+    blobs = blobs.kept(area_fits & ~on_rim)
     blobs = blobs.kept(np.asarray(circularity(blobs, options.perimeter) >= options.tau_circ))
     light = np.maximum(difference - background, 0.0)
     grown = _grown(blobs)  # the threshold cuts off light unevenly; a rim of one pixel has it all
     return Candidates(weighted_centroids(grown if len(grown) == len(blobs) else blobs, light))
+
+
+def _inner_rim(region: Region, image: Image) -> Mask:
+    """Tell which pixels of a region are its outermost; the image's own edge is none of it."""
+    rim = np.zeros((region.bottom - region.top, region.right - region.left), dtype=np.bool_)
+    height, width = image.shape
+    rim[0] |= region.top > 0
+    rim[-1] |= region.bottom < height
+    rim[:, 0] |= region.left > 0
+    rim[:, -1] |= region.right < width
+    return rim
 
 
 def _grown(blobs: Blobs) -> Blobs:
@@ -100,6 +119,7 @@ def detect_in_region(
     if len(seeds) == 0:
         return Candidates.none()
 
+    rim = _inner_rim(region, frame.image_850)
     boxes = seeds.bounding_boxes()
     light = np.bincount(seeds.label, weights=difference[seeds.rows, seeds.columns])
     order = np.argsort(seeds.label, kind="stable")
@@ -108,11 +128,12 @@ def detect_in_region(
     for index in np.argsort(-light, kind="stable")[:MOST_SEEDS]:
         top, bottom, left, right = boxes[index]
         top, left = max(top - MARGIN_PX, 0), max(left - MARGIN_PX, 0)
-        crop = difference[top : bottom + MARGIN_PX + 1, left : right + MARGIN_PX + 1]
+        near = np.s_[top : bottom + MARGIN_PX + 1, left : right + MARGIN_PX + 1]
+        crop = difference[near]
         pixels = order[starts[index] : starts[index + 1]]
         own = np.zeros(crop.shape, dtype=np.bool_)
         own[seeds.rows[pixels] - top, seeds.columns[pixels] - left] = True
-        cut = _cut_at_half_height(crop, own, areas_px, options)
+        cut = _cut_at_half_height(crop, own, rim[near], areas_px, options)
         origin = region.origin_px + np.array([left, top])
         found.append(Candidates(cut.points_px + origin))
     return Candidates.merged(found, same_px=1.0)

@@ -203,6 +203,28 @@ def test_regions_that_overlap_count_a_marker_once() -> None:
     assert len(Candidates.merged(parts, same_px=1.0)) == 10
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize(("axis", "beyond"), [(0, True), (0, False), (1, True), (1, False)])
+def test_a_disc_that_a_region_cuts_is_left_to_another(
+    share: float, axis: int, beyond: bool
+) -> None:
+    """Half a disc has a centroid of its own, pixels off: with the whole one it would be two."""
+    pose = facing_pose(2.9)
+    scene = Scene()
+    frame = render_pair(scene, pose)
+    radius = CAMERA_1024.fx * PATTERN.radius_m / 2.9
+    centre = CAMERA_1024.project(pose @ PATTERN.points_in_target)[9]
+    low, high = np.floor(centre - 3.0 * radius), np.ceil(centre + 3.0 * radius)
+    around = Region(int(low[1]), int(high[1]), int(low[0]), int(high[0]))
+    edge = round(centre[axis] + (2.0 * share - 1.0) * radius)
+    low[axis], high[axis] = (edge, high[axis]) if beyond else (low[axis], edge)
+    cutting = Region(int(low[1]), int(high[1]), int(low[0]), int(high[0]))
+    radii = (0.95 * radius, 1.05 * radius)
+    parts = [detect_in_region(frame, DETECTOR, r, radii, BEST) for r in (cutting, around)]
+    assert len(parts[0]) == 0
+    np.testing.assert_allclose(parts[1].points_px, centre[None], atol=FOUND_PX)
+
+
 def test_nothing_is_found_in_an_empty_region() -> None:
     frame = expected_pair(Scene(), facing_pose(4.0)).exposed(0)
     for region in (Region(0, 0, 0, 0), Region(0, 40, 0, 40)):
