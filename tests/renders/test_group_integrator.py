@@ -28,6 +28,8 @@ from tests.support.small_scenes import LAMBERT, camera_at, discs, needs_jit, pla
 
 CAMERA = Camera.from_fov(24, 16, 40.0)
 EVERYWHERE = np.arange(24 * 16, dtype=np.uint32)
+FOUR_SIGMA = 4.0  # once in 16,000 by chance; fixed seeds, so it never flickers
+LITTLE_NOISE = 1.05  # in variance: what faint light left to chance may cost
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -68,10 +70,6 @@ def traced(
 ) -> dict[str, Radiance]:
     scene, surfaces, pose = corner()
     return trace_groups(scene, surfaces, CAMERA, pose, groups, pixels, samples, max_depth, seed)
-
-
-FOUR_SIGMA = 4.0  # once in 16,000 by chance; fixed seeds, so it never flickers
-LITTLE_NOISE = 1.05  # in variance: what faint light left to chance may cost
 
 
 # Faint light
