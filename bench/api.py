@@ -22,11 +22,11 @@ if TYPE_CHECKING:  # both load much; each function loads what it needs
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
 
-MOST_RUNS = 1000  # their folders are named by three digits; see bench.runs
+MOST_RUNS = 1000  # their folders are named by three digits; see bench.estimating.runs
 
 
 class RenderOptions(TypedDict, total=False):
-    """What can be asked of a rendering; see ``renders.scenario.RenderRequest``."""
+    """What can be asked of a rendering; see ``renders.scenario.scenario.RenderRequest``."""
 
     sun: str | None
     rate_hz: float | None
@@ -82,16 +82,16 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    from renders.batch import render_case
-    from renders.scenario import RenderRequest
+    from renders.batches.render_case import render_case
+    from renders.scenario.scenario import RenderRequest
 
     render_case(RenderRequest(case=case, out=out, seeds=seeds, **options))
 
 
 def holds_images(folder: Path) -> bool:
     """Tell whether a dataset holds single images of a free target, and not pairs with markers."""
-    from models.dataset import read_format
-    from models.image_dataset import FORMAT
+    from models.dataset.dataset import read_format
+    from models.dataset.image_dataset import FORMAT
 
     return read_format(folder) == FORMAT
 
@@ -102,8 +102,9 @@ def estimate(folder: Path, threads: int | None = None) -> list[Path]:
     Parameters
     ----------
     folder : Path
-        Of pairs (see ``bench.estimation``) or of single images (``bench.image_estimation``), from
-        which the target is also acquired at starts spread over the run.
+        Of pairs (see ``bench.estimating.estimation``) or of single images
+        (``bench.estimating.image_estimation``), from which the target is also acquired at starts
+        spread over the run.
     threads : int, optional
         Processes that try the starts; as many as there are cores unless given.
 
@@ -113,11 +114,11 @@ def estimate(folder: Path, threads: int | None = None) -> list[Path]:
         The files written.
     """
     if not holds_images(folder):
-        from bench.estimation import estimate_dataset
+        from bench.estimating.estimation import estimate_dataset
 
         return estimate_dataset(folder)
-    from bench.image_estimation import estimate_image_dataset
-    from bench.uncooperative.starts import try_starts
+    from bench.estimating.image_estimation import estimate_image_dataset
+    from bench.estimating.starts import try_starts
 
     return [*estimate_image_dataset(folder), *try_starts(folder, workers=threads or cores())]
 
@@ -125,13 +126,13 @@ def estimate(folder: Path, threads: int | None = None) -> list[Path]:
 def score(folder: Path) -> dict[str, Any]:
     """Score the estimates of a dataset into ``score.json``.
 
-    See ``bench.score`` for pairs and ``bench.uncooperative.score`` for single images.
+    See ``bench.scoring.score`` for pairs and ``bench.scoring.tumble_score`` for single images.
     """
     if holds_images(folder):
-        from bench.uncooperative.score import score_tumble
+        from bench.scoring.tumble_score import score_tumble
 
         return score_tumble(folder)
-    from bench.score import score_dataset
+    from bench.scoring.score import score_dataset
 
     return score_dataset(folder)
 
@@ -142,7 +143,7 @@ def report(folder: Path) -> Path:
     Of single images see ``bench.uncooperative``.
     """
     if holds_images(folder):
-        from bench.uncooperative.tumble_page import write_tumble_report
+        from bench.report.tumble_page import write_tumble_report
 
         return write_tumble_report(folder)
     from bench.report.page import write_report
@@ -179,8 +180,8 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    from bench.repeated_runs import repeat_runs, runs_left
-    from renders.replay import light_held
+    from bench.estimating.repeated_runs import repeat_runs, runs_left
+    from renders.batches.replay import light_held
 
     if not 1 <= seeds <= MOST_RUNS:
         raise ScenarioError(f"expected --seeds from 1 to {MOST_RUNS}, got {seeds}")

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Union
 import tyro
 
 from bench import verbs
-from bench.store_verb import Store
+from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
 from models.errors import RvbenchError

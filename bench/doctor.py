@@ -14,9 +14,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from renders.probe_cache import cache_folder, libllvm_files
-from renders.store import default_store
-from renders.variant import VARIANTS, ProbeResult, probe, remedy
+from renders.store.radiance_store import default_store
+from renders.variant.choice import VARIANTS, ProbeResult, probe, remedy
+from renders.variant.probe_cache import cache_folder, libllvm_files
 
 DISTRIBUTIONS = ("rvbench", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headless")
 SCARCE_DISK_BYTES = 5e9  # a full approach at 2048 x 2048 wants a few

@@ -12,7 +12,7 @@ from models.camera import CAMERAS, Camera
 from models.lights.sun import SUN_CASES_DEG, direction_from_azimuth
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
 from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
-from renders.scenario import case_names, case_path, read_scenario
+from renders.scenario.scenario import case_names, case_path, read_scenario
 
 
 def print_listing(console: Console) -> None:

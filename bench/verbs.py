@@ -171,7 +171,7 @@ class Estimate:
             )
 
     def _pairs(self) -> list[Path]:
-        from bench.foreign_frames import estimate_pairs
+        from bench.estimating.foreign_frames import estimate_pairs
         from models.camera import Camera
 
         assert self.frames is not None
@@ -258,12 +258,12 @@ class Show:
 
     def run(self) -> int:
         """Draw and write the picture."""
-        from bench.show import write_frame, write_picture
+        from bench.pictures.show import write_frame, write_picture
 
         name = f"{self.frame:06d}_{self.variant}.png"
         out = self.out or self.folder / "show" / name
         if api.holds_images(self.folder):
-            from bench.image_show import show_image
+            from bench.pictures.image_show import show_image
 
             write_picture(show_image(self.folder, self.frame, self.variant), out)
         else:
@@ -297,11 +297,11 @@ class Doctor:
 
 def _print_summary(folder: Path, scored: dict[str, object]) -> None:
     if api.holds_images(folder):
-        from bench.uncooperative.tumble_summary import print_tumble_summary
+        from bench.report.tumble_summary import print_tumble_summary
 
         print_tumble_summary(Console(), scored)
         return
-    from bench.summary import print_summary
+    from bench.report.summary import print_summary
 
     print_summary(Console(), scored)
 

@@ -10,7 +10,7 @@ from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
 from models.pose import RigidTransform
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 
 UNIT_TOLERANCE = 1e-6  # a normal typed with seven digits passes
 

@@ -11,10 +11,10 @@ from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
 from models.estimate import Estimate
+from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
-from models.relative_state import ChaserState, RelativeState
-from models.sensor import Detector
-from models.wireframe import Wireframe
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
 
 Mode = Literal["searching", "acquired", "tracked", "predicted"]
 

@@ -7,8 +7,8 @@ from time import perf_counter
 
 from models.estimate import Estimate
 from models.frame import FlightKnowledge, Frame
-from pipelines.chaser_fixed import ChaserFixed
-from pipelines.options import ChaserFixedOptions
+from pipelines.chaser_fixed.options import ChaserFixedOptions
+from pipelines.chaser_fixed.pipeline import ChaserFixed
 
 
 def estimate_frames(
@@ -25,7 +25,7 @@ def estimate_frames(
         In time; read one at a time.
     knowledge : FlightKnowledge
     options : ChaserFixedOptions
-        See ``pipelines.options.options_for``.
+        See ``pipelines.chaser_fixed.options.options_for``.
     on_frame : callable, optional
         Told of every estimate as it is made.
 

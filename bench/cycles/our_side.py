@@ -16,9 +16,9 @@ import OpenEXR
 
 from bench.cycles.neutral_scene import NeutralMaterial, NeutralScene, NeutralSun, read_scene
 from models.arrays import AnyArray, Radiance
-from renders.light_groups import SUNLIGHT, SunGroup
-from renders.surfaces import Surface, bsdf_dict
-from renders.variant import activate, choose_variant
+from renders.tracing.light_groups import SUNLIGHT, SunGroup
+from renders.tracing.surfaces import Surface, bsdf_dict
+from renders.variant.choice import activate, choose_variant
 
 CLEARANCE_M = 2e-4  # shadow rays of the truth start this far above the surface
 FAR_M = 1e3  # beyond anything in the scene
@@ -31,10 +31,10 @@ def surface_of(material: NeutralMaterial) -> Surface:
 
 
 def geometry_of(scene: NeutralScene) -> Any:
-    """Return the scene's ``renders.scene.SceneGeometry``."""
+    """Return the scene's ``renders.tracing.scene.SceneGeometry``."""
     import mitsuba as mi
 
-    from renders.scene import SceneGeometry
+    from renders.tracing.scene import SceneGeometry
 
     surfaces = {name: surface_of(material) for name, material in scene.materials.items()}
     bsdfs = {name: mi.load_dict(bsdf_dict(surface)) for name, surface in surfaces.items()}
@@ -83,8 +83,8 @@ class OurRenderer:
 
     def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
         """Render the Suns, all in one pass."""
-        from renders.radiance import Sampling, render_radiance
-        from renders.silhouette import pixels_in_view
+        from renders.tracing.radiance import Sampling, render_radiance
+        from renders.tracing.silhouette import pixels_in_view
 
         sampling = Sampling(samples, samples, self.max_depth, seed)
         camera, cam_from_target = self.neutral.camera, self.neutral.cam_from_target
@@ -104,7 +104,7 @@ class OurRenderer:
             ``labels``; ``normals`` (with three components, in the target frame, facing the
             camera); ``facing_NAME`` and ``lit_NAME`` for each Sun.
         """
-        from renders.labels import pixel_truth, unoccluded
+        from renders.truth.pixel_truth import pixel_truth, unoccluded
 
         camera, cam_from_target = self.neutral.camera, self.neutral.cam_from_target
         truth = pixel_truth(self.scene, self.geometry, camera, cam_from_target)
@@ -133,7 +133,7 @@ class BareMitsuba:
     def __init__(self, neutral: NeutralScene, max_depth: int) -> None:
         import mitsuba as mi
 
-        from renders.camera_plugin import sensor_dict
+        from renders.tracing.camera_plugin import sensor_dict
 
         (sun,) = neutral.suns
         towards = np.array(sun.direction_in_target)

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.frame_records import FrameRecord, FrameRecords
-from bench.overlay import overlay
+from bench.pictures.frame_records import FrameRecord, FrameRecords
+from bench.pictures.overlay import overlay
 
 MOST_FRAMES = 12
 FRAME_WIDTH_PX = 760

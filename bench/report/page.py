@@ -8,18 +8,18 @@ from typing import Any
 
 import jinja2
 
-from bench.frame_records import PREFERRED, FrameRecords
-from bench.overlay import LEGEND
-from bench.published import published_case
+from bench.estimating.runs import dataset_fingerprint
+from bench.pictures.frame_records import PREFERRED, FrameRecords
+from bench.pictures.overlay import LEGEND
+from bench.pictures.stretch import STRETCH
 from bench.report import figures, tables
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
 from bench.report.numbers import number
+from bench.report.published import published_case
 from bench.report.scenario_tables import scenario_tables
-from bench.runs import dataset_fingerprint
-from bench.score import read_score
-from bench.stretch import STRETCH
+from bench.scoring.score import read_score
 from models.atomic_file import write_text
-from models.dataset import read_info
+from models.dataset.dataset import read_info
 from models.errors import DatasetError
 
 TEMPLATE = "page.html.jinja"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from bench.published import PublishedCase
 from bench.report.numbers import NONE, count, number, numbers, share
+from bench.report.published import PublishedCase
 
 Score = dict[str, Any]
 MOST_LISTED = 10

@@ -14,7 +14,7 @@ from models.errors import ScenarioError
 RunSuite = Callable[[SuiteRequest, Console], SuiteFiles]
 
 # A suite is a module's ``run_suite``, loaded when it is asked for.
-SUITES = {"pesce2019": "bench.uncooperative.suite"}
+SUITES = {"pesce2019": "bench.suites.pesce2019.suite"}
 TITLES = {
     "pesce2019": "an uncooperative, known target from corners: Pesce et al. 2019, Tables 5 to 8",
 }

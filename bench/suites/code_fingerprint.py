@@ -24,7 +24,7 @@ def code_fingerprint(*modules: str) -> str:
     Parameters
     ----------
     *modules : str
-        Full names, as ``pipelines.uncooperative``.
+        Full names, as ``pipelines.uncooperative.pipeline``.
     """
     seen: dict[str, str] = {}
     waiting = list(modules)

@@ -24,10 +24,10 @@ from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
 from models.lights.sun_grid import NamedSun
-from renders.scenario import read_scenario
-from renders.sealed_exr import read_exr, write_exr
-from renders.store import KEY
-from renders.truth import ExposureTruth
+from renders.scenario.scenario import read_scenario
+from renders.store.radiance_store import KEY
+from renders.store.sealed_exr import read_exr, write_exr
+from renders.truth.exposure_truth import ExposureTruth
 
 PoseTruth = tuple[ExposureTruth, dict[str, list[float]]]
 

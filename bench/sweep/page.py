@@ -13,9 +13,9 @@ import jinja2
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.pictures.stretch import STRETCH
 from bench.report.filmstrip import jpeg
 from bench.report.numbers import number
-from bench.stretch import STRETCH
 from bench.sweep.extremes import Extreme
 from bench.sweep.run import SweepResult
 from bench.sweep.sun_map import MEANINGS

@@ -13,11 +13,11 @@ from scipy.optimize import brentq
 
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
-from pipelines.options import VARIANTS
-from renders.scenario import RenderRequest, Scenario, check_scenario, resolve
-from renders.store_budget import budget_bytes
-from renders.sweep_batches import suns_in_a_batch
-from renders.world import World
+from pipelines.chaser_fixed.options import VARIANTS
+from renders.batches.sweep_batches import suns_in_a_batch
+from renders.scenario.scenario import RenderRequest, Scenario, check_scenario, resolve
+from renders.store.budget import budget_bytes
+from renders.world.world import World
 
 DEFAULT_STEP_DEG = 15.0
 DEFAULT_WIDTH_PX = 1024  # a survey of hundreds of Suns; a case with fewer columns keeps its own
@@ -51,7 +51,7 @@ class SweepRequest:
         How Mitsuba computes: auto, llvm, cuda or scalar.
     store : Path, optional
     store_budget_gb : float, optional
-        What the store may take of the disk; see ``renders.store_budget``.
+        What the store may take of the disk; see ``renders.store.budget``.
     threads : int, optional
     memory_gb : float, GiB
         Bound on the memory of the rendering process.

@@ -13,11 +13,11 @@ from bench.sweep.plan import SweepPlan, SweepPose
 from bench.sweep.shots import Shot, read_shot
 from bench.sweep.table import Setting
 from models.frame import FlightKnowledge
-from renders.batch import Studio
-from renders.light_keys import LightKeys
-from renders.store import RadianceStore
-from renders.sweep_batches import PoseLight, scenario_at
-from renders.world import BANDS, World
+from renders.batches.render_case import Studio
+from renders.batches.sweep_batches import PoseLight, scenario_at
+from renders.store.light_keys import LightKeys
+from renders.store.radiance_store import RadianceStore
+from renders.world.world import BANDS, World
 
 
 @dataclass(eq=False)
@@ -55,7 +55,7 @@ def pose_work(
     plan : SweepPlan
     pose : SweepPose
     world : World
-        Of that one frame; see ``renders.sweep_batches.scenario_at``.
+        Of that one frame; see ``renders.batches.sweep_batches.scenario_at``.
     store : RadianceStore
     variant : str
         The full name of Mitsuba's.

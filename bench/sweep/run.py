@@ -13,8 +13,8 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.detections import visible_markers
-from bench.frame_records import PREFERRED
+from bench.pictures.frame_records import PREFERRED
+from bench.scoring.detections import visible_markers
 from bench.sweep.folder import (
     PoseTruth,
     check_folder,
@@ -29,11 +29,11 @@ from bench.sweep.workers import Workers
 from models.atomic_file import sweep_scratch, write_text
 from models.errors import StorageError
 from models.frame import FlightKnowledge, Frame
-from renders.batch import provenance
-from renders.store import RadianceStore, default_store
-from renders.sweep_batches import scenario_at, under
-from renders.variant import choose_variant
-from renders.world import World
+from renders.batches.render_case import provenance
+from renders.batches.sweep_batches import scenario_at, under
+from renders.store.radiance_store import RadianceStore, default_store
+from renders.variant.choice import choose_variant
+from renders.world.world import World
 
 
 @dataclass(frozen=True, eq=False)

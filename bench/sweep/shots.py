@@ -19,22 +19,22 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.stretch import stretch
+from bench.pictures.stretch import stretch
 from models.arrays import Image, Radiance
 from models.atomic_file import write_bytes, write_text
+from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
-from models.estimates_file import estimate_from_json, estimate_to_json
 from models.frame import FlightKnowledge, Frame
-from models.sensor import Detector
-from pipelines.chaser_fixed import ChaserFixed, options_for
-from renders.compose import compose
-from renders.light_groups import LightGroup
-from renders.replay import read_groups
-from renders.scenario import Scenario
-from renders.sealed_exr import read_exr
-from renders.store import RadianceStore
-from renders.world import World
+from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.pipeline import ChaserFixed, options_for
+from renders.batches.replay import read_groups
+from renders.detector.compose import compose
+from renders.scenario.scenario import Scenario
+from renders.store.radiance_store import RadianceStore
+from renders.store.sealed_exr import read_exr
+from renders.tracing.light_groups import LightGroup
+from renders.world.world import World
 
 SHOT_FORMAT, SHOT_VERSION = "rvbench-shot", 1
 THUMBNAIL_PX = 160
@@ -48,7 +48,7 @@ class Shot:
     Attributes
     ----------
     scenario : Scenario
-        Of one frame, under one Sun; see ``renders.sweep_batches.scenario_at``.
+        Of one frame, under one Sun; see ``renders.batches.sweep_batches.scenario_at``.
     store : Path
     light : dict
         Store keys by band and group name.
@@ -94,7 +94,7 @@ class ShotRecord:
     saturated_percent : dict of int to float
         Share of the pixels at the full well or the converter's end, within their noise, by band.
     thumbnail : (n, n) uint8 array
-        The 850 nm image, small, stretched as everywhere (``bench.stretch``).
+        The 850 nm image, small, stretched as everywhere (``bench.pictures.stretch``).
     """
 
     estimates: dict[str, Estimate]

@@ -23,10 +23,10 @@ from bench.sweep.time_left import LIGHT, POSES, SweepProgress
 from bench.sweep.workers import Workers
 from models.errors import StorageError
 from models.frame import Frame
-from renders.store import RadianceStore
-from renders.store_claims import Claim
-from renders.sweep_batches import Batch
-from renders.variant import activate
+from renders.batches.sweep_batches import Batch
+from renders.store.claims import Claim
+from renders.store.radiance_store import RadianceStore
+from renders.variant.choice import activate
 
 KEYS_IN_A_TASK = 16
 MOST_ROUNDS = 3  # of tracing what another process took out of the store meanwhile

@@ -16,12 +16,12 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from bench.detections import VisibleMarkers, judge
+from bench.scoring.detections import VisibleMarkers, judge
 from models.errors import DatasetError, cause
 from models.estimate import Estimate, PoseEstimate
 from models.lights.sun_grid import NamedSun
 from models.pose import pose_error
-from renders.truth import ExposureTruth
+from renders.truth.exposure_truth import ExposureTruth
 
 TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 1
 HALF = 0.5
@@ -51,7 +51,7 @@ class Row:
         without; ``no pose``.
     expected, found, mismatched, used : int
         Markers that are truly whole, lit and in the image; those of them truly found; matches
-        that are not true; markers that the solver kept. See ``bench.detections``.
+        that are not true; markers that the solver kept. See ``bench.scoring.detections``.
     in_sun : int
         Markers that the Sun lights at least half.
     position_error_mm, attitude_error_deg : float or None, mm and deg

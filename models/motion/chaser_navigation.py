@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.relative_state import ChaserState
+from models.motion.relative_state import ChaserState
 
 SIGMA_M = 10.0  # per axis: Pesce et al. 2019, section V.B.3
 SIGMA_M_S = 0.1

@@ -14,7 +14,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.motion.clohessy_wiltshire import EARTH_MU_M3_S2, mean_motion
-from models.relative_state import ChaserState
+from models.motion.relative_state import ChaserState
 
 KEPLER_TOLERANCE_RAD = 4e-16  # of the eccentric anomaly: the rounding of 1
 KEPLER_ITERATIONS = 50  # Newton needs 3 to 6; a last bit that flickers must not loop for ever

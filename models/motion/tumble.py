@@ -15,9 +15,9 @@ from scipy.integrate import OdeSolution
 from models.arrays import Floats
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_motion import integrate
+from models.motion.relative_state import ChaserState, RelativeState
 from models.motion.rigid_body_rotation import RigidBodyRotation
 from models.pose import RigidTransform
-from models.relative_state import ChaserState, RelativeState
 
 # The camera looks along +y of the local frame; image down is nadir. Pesce et al. 2019 leave open
 # how it is mounted, and their five targets all lie on +y.

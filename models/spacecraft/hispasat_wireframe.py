@@ -15,7 +15,7 @@ from models.arrays import Floats
 from models.spacecraft import hispasat_layout as at
 from models.spacecraft.hull import Outline, box_outline, hiding, sheet_outline, wireframe
 from models.spacecraft.solids import mesh_of, placed
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 
 SIDES = {"plus_y": 1.0, "minus_y": -1.0}
 DISH_SIDES = 12  # of the polygon that stands for a dish

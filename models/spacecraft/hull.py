@@ -11,7 +11,7 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from models.arrays import Floats, Mask
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 
 SIGNS = (("minus", 0), ("plus", 1))
 

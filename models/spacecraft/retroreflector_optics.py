@@ -1,4 +1,4 @@
-"""What a retroreflector returns, as data; ``renders.retroreflector`` turns it into light."""
+"""What a retroreflector returns, as data; see ``renders.tracing.retroreflector``."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from functools import cache
 from models.errors import ScenarioError
 from models.spacecraft.hispasat_wireframe import hispasat_wireframe
 from models.spacecraft.xmm_wireframe import xmm_wireframe
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 
 WIREFRAMES: dict[str, Callable[[], Wireframe]] = {
     "xmm": xmm_wireframe,

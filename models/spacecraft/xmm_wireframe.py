@@ -15,7 +15,7 @@ from models.arrays import Floats
 from models.spacecraft import xmm_layout as at
 from models.spacecraft.hull import Outline, box_outline, hiding, sheet_outline, wireframe
 from models.spacecraft.solids import box, lathe, placed, standing
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 
 SIDES = {"plus_y": 1.0, "minus_y": -1.0}
 TUBE_SIDES, HORN_SIDES, BAFFLE_SIDES = 16, 8, 8  # of the polygons that stand for circles

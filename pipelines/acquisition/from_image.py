@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Image
 from models.camera import Camera
 from models.pose import RigidTransform
-from models.sensor import Detector
-from models.wireframe import Wireframe
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
 from pipelines.acquisition.view_search import PARTLY_LIT, Hypothesis, search_views
 from pipelines.acquisition.view_sphere import view_sphere
 from pipelines.detection.edge_map import find_edges

@@ -25,7 +25,7 @@ from scipy.spatial.distance import pdist
 from models.arrays import Floats, Indices
 from models.camera import Camera
 from models.pose import RigidTransform
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 from pipelines.acquisition.acquisition_options import HypothesizeAndTestOptions
 from pipelines.acquisition.pca_classes import pca_classes
 from pipelines.acquisition.three_point_poses import LandmarkTriples, three_point_poses

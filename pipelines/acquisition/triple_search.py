@@ -17,7 +17,7 @@ import numpy as np
 from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 from pipelines.acquisition.acquisition_options import TripleSearchOptions
 from pipelines.acquisition.pca_classes import pca_classes
 from pipelines.acquisition.pose_refinement import RefinedPoses, refined_poses

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Floats, Mask, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 from pipelines.tracking.model_edges import EdgeSamples, ModelEdges
 
 CELLS = 36  # of a side of the small pictures,

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 from models.arrays import Floats, Image
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 from pipelines.detection.target_region import TargetRegion, find_target
 
 BLOCK_PX = 5

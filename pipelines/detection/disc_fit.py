@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import AnyArray, Floats, Mask
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 from pipelines.detection.disc_model import PARAMETERS, DiscParameters, disc_model
 from pipelines.detection.disc_window import WINDOW_MARGIN_PX, DiscWindow, cut_window
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from models.arrays import AnyArray, Floats, Mask
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 
 WINDOW_MARGIN_PX = 3.0  # background seen round the outline
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from models.arrays import Floats, Mask, Radiance
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 from pipelines.detection.target_region import TargetRegion
 
 SMOOTHING_PX = 1.0

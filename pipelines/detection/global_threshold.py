@@ -6,7 +6,8 @@ import numpy as np
 
 from models.camera import Camera
 from models.frame import Frame
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.area_opening import area_threshold_px, open_areas
 from pipelines.detection.binarisation import binarise, threshold_dn
 from pipelines.detection.blobs import find_blobs
@@ -15,7 +16,6 @@ from pipelines.detection.candidates import Candidates
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import circularity
 from pipelines.detection.image_difference import clipped_difference, saturated
-from pipelines.options import ChaserFixedOptions
 
 
 def detect_by_global_threshold(

@@ -14,7 +14,7 @@ import numpy as np
 
 from models.arrays import Floats, Image, Mask
 from models.frame import Frame
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 
 SATURATION_SIGMAS = 5.0  # of read noise, below the full well's level
 

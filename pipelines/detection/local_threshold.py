@@ -13,13 +13,13 @@ import numpy as np
 
 from models.arrays import Floats, Image, Mask
 from models.frame import Frame
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.blobs import Blobs, find_blobs
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import circularity
 from pipelines.detection.image_difference import Region, saturated, signed_difference
-from pipelines.options import ChaserFixedOptions
 
 SEED_SHARE = 0.25  # of tau_bin: the seeds' threshold is 5 % of the brightest difference
 SEED_SIGMAS = 6.0

@@ -9,12 +9,12 @@ import numpy as np
 from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.frame import Frame, MarkerPattern
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.disc_outline import DiscOutlines, disc_outlines
 from pipelines.detection.image_difference import Region
 from pipelines.detection.local_threshold import detect_in_region
-from pipelines.options import ChaserFixedOptions
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
 from pipelines.tracking.motion_prediction import PredictedPose
 

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from models.arrays import Image, Mask, Radiance
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 
 KNEE_SIGMAS = 4.0  # of the sky's noise, where the stretch turns from linear to logarithmic
 LIT_SIGMAS = 5.0  # of the smoothed sky's noise: none of a million sky pixels

@@ -13,8 +13,8 @@ import numpy as np
 from models.arrays import Floats
 from models.estimate import PoseEstimate
 from models.motion.kepler_orbit import KeplerOrbit
+from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
-from models.relative_state import ChaserState, RelativeState
 from pipelines.filters import h_infinity, kalman, minimum_energy, multiplicative_ekf
 from pipelines.filters.multiplicative_ekf import RotationUpdate
 from pipelines.filters.navigation_options import NavigationOptions

@@ -10,7 +10,7 @@ from scipy.stats import chi2, f
 
 from models.arrays import Floats
 from models.pose import RigidTransform
-from pipelines.options import LevenbergMarquardtOptions
+from pipelines.chaser_fixed.options import LevenbergMarquardtOptions
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
 

@@ -18,7 +18,7 @@ from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from pipelines.identification import one_to_one
+from pipelines.chaser_fixed.identification import one_to_one
 from pipelines.pnp.projection_jacobian import project_normalised
 from pipelines.tracking.motion_prediction import PredictedPose
 

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
-from pipelines.options import LevenbergMarquardtOptions, Parametrisation
+from pipelines.chaser_fixed.options import LevenbergMarquardtOptions, Parametrisation
 from pipelines.pnp.problem import PnpProblem
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 

@@ -8,8 +8,8 @@ from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from pipelines.match import Match, Solution
-from pipelines.options import ChaserFixedOptions
+from pipelines.chaser_fixed.match import Match, Solution
+from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.consistency import common_variance_px2, find_outliers
 from pipelines.pnp.covariance import pose_covariance, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose

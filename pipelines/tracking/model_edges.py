@@ -17,8 +17,8 @@ import numpy as np
 from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
-from models.wireframe import Wireframe
-from models.wireframe_visibility import visible_points
+from models.wireframe.visibility import visible_points
+from models.wireframe.wireframe import Wireframe
 
 MOST_SAMPLES = 900
 WELD_M = 1e-4  # corners of faces nearer than this are one

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Floats
 from models.frame import FlightKnowledge
 from models.pose import RigidTransform, euler_321_from_rotation
-from pipelines.options import ChaserFixedOptions
+from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 
 LEAST_VARIANCE = 1e-12  # rad^2 and m^2: keeps a prediction without uncertainty invertible

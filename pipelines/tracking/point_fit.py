@@ -13,7 +13,7 @@ import numpy as np
 from models.arrays import Floats, Indices
 from models.camera import Camera
 from models.pose import RigidTransform
-from pipelines.identification import one_to_one
+from pipelines.chaser_fixed.identification import one_to_one
 from pipelines.pnp.gauss_newton import gauss_newton_step, linearised
 
 MOST_ROUNDS = 12

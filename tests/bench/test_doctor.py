@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from bench import doctor
-from renders.variant import ProbeResult
+from renders.variant.choice import ProbeResult
 
 RENDERS = ProbeResult("scalar_rgb", True, first_image_s=0.5, samples_per_s=2.5e6)
 NO_LLVM = ProbeResult("llvm_ad_rgb", False, reason="no libLLVM found")

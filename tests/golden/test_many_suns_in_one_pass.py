@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from models.arrays import Radiance
-from renders.light_groups import SunGroup
-from renders.scenario import RenderRequest, resolve
-from renders.world import World
+from renders.scenario.scenario import RenderRequest, resolve
+from renders.tracing.light_groups import SunGroup
+from renders.world.world import World
 from tests.support.image_statistics import same_image
 from tests.support.small_scenes import needs_jit
 
@@ -38,8 +38,8 @@ def suns() -> list[SunGroup]:
 def renderings() -> tuple[dict[str, Radiance], dict[str, Radiance], dict[str, Radiance]]:
     """Return (seed, height, width) radiance by Sun: all in one pass, alone, alone otherwise."""
     needs_jit()
-    from renders.radiance import Sampling, render_radiance
-    from renders.scene import build_geometry, place_chaser
+    from renders.tracing.radiance import Sampling, render_radiance
+    from renders.tracing.scene import build_geometry, place_chaser
 
     world = World(resolve(RenderRequest("maxar-approach", Path("unused"), width=WIDTH)))
     geometry = build_geometry(world.target, world.chaser, world.optics)

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from models.arrays import Radiance
-from renders.light_groups import LightGroup
-from renders.scenario import RenderRequest, resolve
-from renders.world import World
+from renders.scenario.scenario import RenderRequest, resolve
+from renders.tracing.light_groups import LightGroup
+from renders.world.world import World
 from tests.support.image_statistics import same_image
 from tests.support.small_scenes import needs_jit, run_python
 
@@ -26,7 +26,7 @@ TIME_S, WIDTH, SAMPLES, SEEDS = 150.0, 64, 64, 8
 SCALAR_PROGRAM = """
 import sys
 import numpy as np
-from renders.variant import activate
+from renders.variant.choice import activate
 activate("scalar_rgb")
 from tests.golden.test_scalar_equals_jit import renderings
 np.save("scalar.npy", renderings(0))
@@ -39,8 +39,8 @@ def lights(world: World) -> list[LightGroup]:
 
 def renderings(first_seed: int) -> Radiance:
     """Return (group, seed, height, width) radiance from the variant that is active."""
-    from renders.radiance import Sampling, render_radiance
-    from renders.scene import build_geometry, place_chaser
+    from renders.tracing.radiance import Sampling, render_radiance
+    from renders.tracing.scene import build_geometry, place_chaser
 
     request = RenderRequest("maxar-approach", Path("unused"), sun="S2", width=WIDTH)
     world = World(resolve(request))

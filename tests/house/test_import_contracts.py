@@ -15,17 +15,35 @@ ROOMS = ("models", "renders", "pipelines", "bench")
 PLANTED = {
     "models/pose.py": ("import mitsuba", "models.pose -> mitsuba"),
     "models/frame.py": ("import drjit", "models.frame -> drjit"),
-    "models/camera.py": ("import renders.truth", "models.camera -> renders.truth"),
-    "models/sensor.py": ("import pipelines.options", "models.sensor -> pipelines.options"),
-    "models/estimate.py": ("import bench.metrics", "models.estimate -> bench.metrics"),
-    "pipelines/options.py": ("import mitsuba", "pipelines.options -> mitsuba"),
-    "pipelines/chaser_fixed.py": (
-        "from renders import truth",
-        "pipelines.chaser_fixed -> renders.truth",
+    "models/camera.py": (
+        "import renders.truth.exposure_truth",
+        "models.camera -> renders.truth.exposure_truth",
     ),
-    "pipelines/run.py": ("import bench.score", "pipelines.run -> bench.score"),
-    "renders/truth.py": ("import pipelines.options", "renders.truth -> pipelines.options"),
-    "renders/scenario.py": ("import bench.score", "renders.scenario -> bench.score"),
+    "models/sensors/camera_chip.py": (
+        "import pipelines.chaser_fixed.options",
+        "models.sensors.camera_chip -> pipelines.chaser_fixed.options",
+    ),
+    "models/estimate.py": (
+        "import bench.scoring.metrics",
+        "models.estimate -> bench.scoring.metrics",
+    ),
+    "pipelines/chaser_fixed/options.py": (
+        "import mitsuba",
+        "pipelines.chaser_fixed.options -> mitsuba",
+    ),
+    "pipelines/chaser_fixed/pipeline.py": (
+        "from renders import truth",
+        "pipelines.chaser_fixed.pipeline -> renders.truth.exposure_truth",
+    ),
+    "pipelines/run.py": ("import bench.scoring.score", "pipelines.run -> bench.scoring.score"),
+    "renders/truth/exposure_truth.py": (
+        "import pipelines.chaser_fixed.options",
+        "renders.truth.exposure_truth -> pipelines.chaser_fixed.options",
+    ),
+    "renders/scenario/scenario.py": (
+        "import bench.scoring.score",
+        "renders.scenario.scenario -> bench.scoring.score",
+    ),
 }
 
 
@@ -73,7 +91,7 @@ def test_each_planted_breach_is_named(copied_house):
 @pytest.mark.parametrize(
     ("place", "line"),
     [
-        ("pipelines/run.py", "import renders.truth"),
+        ("pipelines/run.py", "import renders.truth.exposure_truth"),
         ("models/pose.py", "import mitsuba"),
     ],
 )

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from bench import api
-from models.navigation_estimates_file import read_navigation_estimates
+from models.dataset.navigation_estimates_file import read_navigation_estimates
 from tests.support.synthetic_dataset import write_dataset
 from tests.support.synthetic_images import write_images
 
@@ -40,8 +40,8 @@ print(json.dumps({"code": code, "loaded": sorted(roots), "opened": opened}))
 WATCHED_IMAGES = WATCHED.replace(
     "from bench.cli import main\ncode = main(sys.argv[1:])",
     "from pathlib import Path\n"
-    "import bench.uncooperative.starts\n"
-    "from bench.image_estimation import estimate_image_dataset\n"
+    "import bench.estimating.starts\n"
+    "from bench.estimating.image_estimation import estimate_image_dataset\n"
     "code = len(estimate_image_dataset(Path(sys.argv[1])))",
 )
 

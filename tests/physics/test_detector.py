@@ -15,10 +15,10 @@ import pytest
 from models.arrays import Floats
 from models.frame import MarkerPattern
 from models.pose import RigidTransform
-from renders.expose import electron_rate, mean_electrons
-from renders.light_groups import LightGroup
-from renders.scenario import RenderRequest, resolve
-from renders.world import World
+from renders.detector.expose import electron_rate, mean_electrons
+from renders.scenario.scenario import RenderRequest, resolve
+from renders.tracing.light_groups import LightGroup
+from renders.world.world import World
 from tests.support.small_scenes import needs_jit
 
 ALLOWED = 0.3  # of the detector's noise, rms over a window
@@ -36,7 +36,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def geometry(world: World) -> Any:
-    from renders.scene import build_geometry
+    from renders.tracing.scene import build_geometry
 
     return build_geometry(world.target, world.chaser, world.optics)
 
@@ -66,10 +66,10 @@ def window_charge(
 ) -> Floats:
     """Return the mean charge, e, of an 850 nm exposure lit in these markers' windows alone.
 
-    They get the samples that ``renders.radiance`` gives them.
+    They get the samples that ``renders.tracing.radiance`` gives them.
     """
-    from renders.group_integrator import trace_groups
-    from renders.radiance import NEAR_SAMPLES, marker_pixels, marker_windows
+    from renders.tracing.group_integrator import trace_groups
+    from renders.tracing.radiance import NEAR_SAMPLES, marker_pixels, marker_windows
 
     camera, render = world.camera, world.scenario.render
     groups: list[LightGroup] = [world.sun, world.lamps(850)]
@@ -102,8 +102,8 @@ def test_monte_carlo_noise_is_below_a_third_of_the_detectors(
 
     Near the end #8 and #10 have most of it, of the eight markers that are left.
     """
-    from renders.radiance import marker_windows
-    from renders.scene import place_chaser
+    from renders.tracing.radiance import marker_windows
+    from renders.tracing.scene import place_chaser
 
     pose = world.approach.cam_from_target(time_s)
     place_chaser(scene, geometry, pose)

@@ -13,7 +13,7 @@ from models.arrays import Radiance
 from models.camera import Camera
 from models.lights.earth import ALBEDO, GEO_RADIUS_KM, Earth
 from models.lights.sun import PASSBAND_IRRADIANCE_W_M2
-from renders.light_groups import EarthGroup
+from renders.tracing.light_groups import EarthGroup
 from tests.support.image_statistics import same_image
 from tests.support.small_scenes import (
     FACING,
@@ -107,7 +107,7 @@ def test_it_is_seen_where_nothing_hides_it_and_black_beside() -> None:
 
 SCALAR_PROGRAM = """
 import numpy as np
-from renders.variant import activate
+from renders.variant.choice import activate
 activate("scalar_rgb")
 from tests.physics.test_earthshine import glossy
 np.save("scalar.npy", glossy(0))
@@ -117,8 +117,8 @@ np.save("scalar.npy", glossy(0))
 def glossy(first_seed: int) -> Radiance:
     """Return (seed, height, width) radiance of golden foil under the Earth, off to a side."""
     from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-    from renders.radiance import Sampling, render_radiance
-    from renders.scene import build_geometry
+    from renders.tracing.radiance import Sampling, render_radiance
+    from renders.tracing.scene import build_geometry
 
     aside = replace(
         GIBBOUS, direction_in_target=(0.6, 0.0, 0.8), sun_dir_in_target=(0.6, 0.48, -0.64)

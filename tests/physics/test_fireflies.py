@@ -16,9 +16,9 @@ from scipy.ndimage import median_filter
 from models.arrays import Mask, Radiance
 from models.lights.sun import PASSBAND_IRRADIANCE_W_M2, sun_direction
 from models.materials import MATERIALS
-from renders.light_groups import LightGroup, SunGroup
-from renders.scenario import RenderRequest, resolve
-from renders.world import World
+from renders.scenario.scenario import RenderRequest, resolve
+from renders.tracing.light_groups import LightGroup, SunGroup
+from renders.world.world import World
 from tests.support.small_scenes import needs_jit
 
 SUNS = ("S1", "S2", "S6")
@@ -38,8 +38,8 @@ BRIGHTEST = 2 * 2 * 7.3
 @lru_cache(maxsize=1)
 def rendered_views() -> tuple[dict[str, Radiance], dict[str, Radiance]]:
     """Return the first view of the demo under each Sun, with few samples and with many."""
-    from renders.radiance import Sampling, render_radiance
-    from renders.scene import build_geometry, place_chaser
+    from renders.tracing.radiance import Sampling, render_radiance
+    from renders.tracing.scene import build_geometry, place_chaser
 
     world = World(resolve(RenderRequest("maxar-demo", Path("unused"), width=WIDTH)))
     pose = world.approach.cam_from_target(world.scenario.times_s[0])

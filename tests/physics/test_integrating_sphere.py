@@ -12,7 +12,7 @@ from models.camera import Camera
 from models.lights.led_beam import LAMPS_850
 from models.materials import MATERIALS
 from models.spacecraft.part import Part, Spacecraft
-from renders.light_groups import NIR850, LampGroup
+from renders.tracing.light_groups import NIR850, LampGroup
 from tests.support.small_scenes import LAMBERT, activate_best, camera_at, rendered
 
 ONE_PERCENT = 0.01  # facets instead of a sphere, and 16 x 16 pixels of 1024 paths

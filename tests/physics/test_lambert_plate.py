@@ -11,7 +11,7 @@ from models.camera import Camera
 from models.lights.led_beam import LAMPS_800, LAMPS_850
 from models.lights.sun import PASSBAND_IRRADIANCE_W_M2, direction_from_azimuth
 from models.materials import MATERIALS
-from renders.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
+from renders.tracing.light_groups import NIR800, NIR850, LampGroup, LightGroup, SunGroup
 from tests.support.small_scenes import LAMBERT, activate_best, camera_at, plate, rendered
 
 HALF_A_PERCENT = 5e-3  # the bench's promise for closed forms

@@ -14,7 +14,7 @@ from models.lights.sun import PASSBAND_IRRADIANCE_W_M2
 from models.materials import MATERIALS
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.solids import mesh_of
-from renders.light_groups import LightGroup, SunGroup
+from renders.tracing.light_groups import LightGroup, SunGroup
 from tests.support.small_scenes import LAMBERT, activate_best, camera_at, rendered
 
 RADIUS_M, RANGE_M = 1.0, 4000.0  # so far that its near side is no larger for it

@@ -11,10 +11,10 @@ from models.camera import CAMERAS
 from models.lights.led_beam import LAMPS_800, LAMPS_850
 from models.lights.sun import PASSBAND_IRRADIANCE_W_M2
 from models.pose import RigidTransform
-from models.sensor import Detector, Optics
+from models.sensors.camera_chip import Detector, Optics
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.expose import electrons_per_radiance
-from renders.light_groups import NIR800, NIR850, LampGroup
+from renders.detector.expose import electrons_per_radiance
+from renders.tracing.light_groups import NIR800, NIR850, LampGroup
 from tests.support.small_scenes import activate_best, camera_at, discs, plate, rendered
 
 FIVE_PERCENT = 0.05  # the budget on paper ignores the ring's offset from the lens
@@ -71,8 +71,8 @@ def test_sunlit_grey_is_a_sixth_of_a_far_marker() -> None:
 def test_the_exposure_schedule_keeps_a_boresight_marker_at_half_to_seventy_percent() -> None:
     from pathlib import Path
 
-    from renders.scenario import RenderRequest, resolve
-    from renders.world import World
+    from renders.scenario.scenario import RenderRequest, resolve
+    from renders.world.world import World
 
     world = World(resolve(RenderRequest("maxar-approach", Path("unused"), rate_hz=0.02)))
     optics, detector = Optics(), Detector()

@@ -7,7 +7,7 @@ import pytest
 
 from models.materials import MATERIALS
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.surfaces import surface_of_disc
+from renders.tracing.surfaces import surface_of_disc
 from tests.support.small_scenes import activate_best, needs_jit
 from tests.support.surfaces import chi_square, value
 
@@ -67,7 +67,7 @@ def aperture(cosine: float) -> float:
 
 @pytest.mark.parametrize(("incidence_deg", "share"), [(0.0, 1.0), (15.0, 0.67), (25.0, 0.44)])
 def test_aperture_of_a_solid_cube(incidence_deg: float, share: float) -> None:
-    from renders.retroreflector import active_aperture
+    from renders.tracing.retroreflector import active_aperture
 
     cosine = float(np.cos(np.deg2rad(incidence_deg)))
     a_hundredth = 0.01  # the shares are given with two digits
@@ -76,7 +76,7 @@ def test_aperture_of_a_solid_cube(incidence_deg: float, share: float) -> None:
 
 
 def test_aperture_closes_and_stays_closed() -> None:
-    from renders.retroreflector import active_aperture
+    from renders.tracing.retroreflector import active_aperture
 
     shares = [float(active_aperture(float(c), 1.4525)) for c in np.linspace(1.0, 0.0, 200)]
     assert all(later <= earlier + 1e-12 for earlier, later in itertools.pairwise(shares))

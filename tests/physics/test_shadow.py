@@ -15,7 +15,7 @@ from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.chaser import chaser
 from models.spacecraft.part import Part, Spacecraft
-from renders.light_groups import SunGroup
+from renders.tracing.light_groups import SunGroup
 from tests.support.small_scenes import LAMBERT, activate_best, camera_at, plate, rendered
 
 HALF_A_PERCENT = 5e-3  # the bench's promise for closed forms

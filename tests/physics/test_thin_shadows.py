@@ -14,7 +14,7 @@ from models.camera import Camera
 from models.lights.sun import PASSBAND_IRRADIANCE_W_M2
 from models.materials import MATERIALS
 from models.spacecraft.part import Part, Spacecraft
-from renders.light_groups import SunGroup
+from renders.tracing.light_groups import SunGroup
 from tests.support.small_scenes import LAMBERT, camera_at, needs_jit, rendered
 
 HALF_A_PERCENT = 5e-3

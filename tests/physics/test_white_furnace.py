@@ -17,7 +17,7 @@ import pytest
 from models.arrays import Floats
 from models.materials import MATERIALS, BandReflectance, Material
 from models.spacecraft.mli_blanket import Blanket
-from renders.surfaces import Surface, surface_of
+from renders.tracing.surfaces import Surface, surface_of
 from tests.support.small_scenes import needs_jit
 from tests.support.surfaces import chi_square, drawn, value
 
@@ -203,7 +203,7 @@ def test_creased_foil_makes_no_light_of_its_smooth_shading() -> None:
     """
     import mitsuba as mi
 
-    from renders.scene import mitsuba_mesh
+    from renders.tracing.scene import mitsuba_mesh
 
     foil = Blanket((-0.3, -0.3), (0.3, 0.3), 0.013, 5).foil()
     white = mi.load_dict(

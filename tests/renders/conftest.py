@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from renders.scenario import RenderRequest, resolve
-from renders.store import RadianceStore
-from renders.world import World
+from renders.scenario.scenario import RenderRequest, resolve
+from renders.store.radiance_store import RadianceStore
+from renders.world.world import World
 from tests.support.small_scenes import activate_best, needs_jit
 
 
@@ -38,7 +38,7 @@ class TinyDataset:
 
     def render(self) -> str:
         """Render what is not there, and return what was printed."""
-        from renders.batch import render_case
+        from renders.batches.render_case import render_case
 
         said = io.StringIO()
         render_case(self.request, Console(file=said, width=300))
@@ -93,7 +93,7 @@ def tiny(rendered_once: TinyDataset, tmp_path: Path) -> TinyDataset:
 def traced(monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
     """Count how often light is traced from here on."""
     activate_best()
-    from renders import radiance
+    from renders.tracing import radiance
 
     calls = []
     really = radiance.render_radiance

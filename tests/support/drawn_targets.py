@@ -10,8 +10,8 @@ import numpy as np
 from models.arrays import Floats, Image
 from models.camera import Camera
 from models.pose import RigidTransform
-from models.sensor import Detector
-from models.wireframe import Wireframe
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
 
 CAMERA = Camera.from_fov(256, 256, 40.0)
 DETECTOR = Detector(pixel_pitch_um=13.5)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Floats, Indices
 from models.camera import Camera, camera_preset
 from models.pose import RigidTransform
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 
 CAMERA: Camera = camera_preset("chaser_fixed")
 RANGE_M = 30.0

@@ -16,8 +16,8 @@ from models.materials import BLACK, MATERIALS, BandReflectance, Material
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.light_groups import LightGroup
-from renders.variant import activate, choose_variant
+from renders.tracing.light_groups import LightGroup
+from renders.variant.choice import activate, choose_variant
 
 LAMBERT = "lambertian_grey"  # a material for closed forms, known to tests alone
 MATERIALS[LAMBERT] = Material(
@@ -74,8 +74,8 @@ def rendered(
     marker_samples: int | None = None,
 ) -> dict[str, Radiance]:
     """Render light groups of a small scene, W m-2 sr-1."""
-    from renders.radiance import Sampling, render_radiance
-    from renders.scene import build_geometry, place_chaser
+    from renders.tracing.radiance import Sampling, render_radiance
+    from renders.tracing.scene import build_geometry, place_chaser
 
     geometry = build_geometry(target, chaser, optics or RetroreflectorOptics())
     scene = geometry.scene()

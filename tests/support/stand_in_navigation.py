@@ -1,8 +1,8 @@
 """A pipeline simple enough to be read at a glance, to try the bench with: no filter worth its name.
 
-It has the face of ``pipelines.uncooperative``. From a start it names each point by the nearest
-landmark of its last pose and solves; without one it says, from the second image on, that the
-target is 30 m ahead along the axes, which is right at time zero only.
+It has the face of ``pipelines.uncooperative.pipeline``. From a start it names each point by the
+nearest landmark of its last pose and solves; without one it says, from the second image on, that
+the target is 30 m ahead along the axes, which is right at time zero only.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.cramer_rao import pose_bound
+from bench.scoring.cramer_rao import pose_bound
 from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform
-from models.relative_state import RelativeState
 from models.uncooperative import NavigationEstimate, PointFrame, UncooperativeKnowledge
 
 VARIANTS = ("paper", "best")

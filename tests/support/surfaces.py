@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from models.arrays import Floats
-from renders.surfaces import Surface
+from renders.tracing.surfaces import Surface
 
 BANDS = (0, 1, 2)
 
@@ -17,7 +17,7 @@ def seen_from(surface: Surface, towards_viewer: Floats) -> Any:
     import drjit as dr
     import mitsuba as mi
 
-    from renders.surface_table import SurfaceSeen, SurfaceTable
+    from renders.tracing.surface_table import SurfaceSeen, SurfaceTable
 
     table = SurfaceTable([surface], {0: 0})
     viewer = mi.Vector3f(np.ascontiguousarray(towards_viewer, dtype=np.float32))

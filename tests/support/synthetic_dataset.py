@@ -16,7 +16,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.camera import Camera, camera_preset
-from models.dataset import (
+from models.dataset.dataset import (
     DatasetInfo,
     FrameEntry,
     detector_to_toml,
@@ -27,13 +27,13 @@ from models.dataset import (
     markers_to_toml,
     prior_to_toml,
 )
+from models.dataset.estimates_file import write_estimates
 from models.estimate import Detections, Estimate, NoPose, PoseEstimate
-from models.estimates_file import write_estimates
 from models.frame import FlightKnowledge, MarkerPattern
 from models.pose import RigidTransform, rotation_from_euler_321
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
-from renders.truth import ExposureTruth
+from renders.truth.exposure_truth import ExposureTruth
 
 WIDTH_PX = 512
 MARKER_DN = 2000.0

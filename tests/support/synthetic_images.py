@@ -16,7 +16,7 @@ import numpy as np
 from models.arrays import Image
 from models.atomic_file import write_bytes, write_text
 from models.camera import Camera, camera_preset
-from models.dataset import (
+from models.dataset.dataset import (
     FILTERED,
     DatasetInfo,
     FrameEntry,
@@ -26,18 +26,18 @@ from models.dataset import (
     image_path,
     info_to_json,
 )
-from models.image_dataset import FORMAT, knowledge_to_toml, navigation_to_csv
+from models.dataset.image_dataset import FORMAT, knowledge_to_toml, navigation_to_csv
 from models.motion.chaser_navigation import corrupted
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 from models.spacecraft.wireframes import wireframe_by_name
 from models.uncooperative import UncooperativeKnowledge
-from models.wireframe import Wireframe
-from models.wireframe_file import wireframe_to_json
-from models.wireframe_visibility import visible_landmarks
-from renders.image_truth import ImageTruth
+from models.wireframe.visibility import visible_landmarks
+from models.wireframe.wireframe import Wireframe
+from models.wireframe.wireframe_file import wireframe_to_json
+from renders.truth.image_truth import ImageTruth
 from tests.support.tumble_scenario import TUMBLE
 
 WIDTH_PX = 512

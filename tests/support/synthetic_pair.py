@@ -17,7 +17,7 @@ from models.arrays import Floats, Image
 from models.camera import Camera
 from models.frame import FlightKnowledge, Frame, MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
-from models.sensor import Detector
+from models.sensors.camera_chip import Detector
 
 CAMERA_2048 = Camera.from_fov(2048, 2048, 50.0)
 CAMERA_1024 = Camera.from_fov(1024, 1024, 50.0)

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from bench.sweep.plan import SweepRequest
 from bench.sweep.run import SweepResult, run_sweep
-from renders.store import RadianceStore
+from renders.store.radiance_store import RadianceStore
 from tests.support.small_scenes import activate_best
 
 SUNS = ("S2", "90/30", "0,0,-1")
@@ -81,7 +81,7 @@ def sweep(swept_once: SmallSweep, tmp_path: Path) -> SmallSweep:
 def traced(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[list[str]]]:
     """Return the names of the groups of each pass that is traced from here on."""
     activate_best()
-    from renders import radiance
+    from renders.tracing import radiance
 
     passes: list[list[str]] = []
     really = radiance.render_radiance

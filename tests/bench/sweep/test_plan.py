@@ -15,8 +15,8 @@ from bench.sweep.plan import (
 )
 from models.errors import ScenarioError
 from models.lights.sun import SUN_CASES_DEG
-from renders.scenario import RenderRequest, resolve
-from renders.world import World
+from renders.scenario.scenario import RenderRequest, resolve
+from renders.world.world import World
 
 WORLD = World(resolve(RenderRequest("maxar-approach", Path("unused"))))
 MILLISECOND_M = 1.5e-5  # at 15 mm/s

@@ -18,9 +18,9 @@ from bench.sweep.outcome import write_outcome
 from bench.sweep.run import SweepResult
 from bench.sweep.shots import read_shot
 from bench.sweep.table import Row, read_csv, read_json
+from models.dataset.estimates_file import read_estimates
 from models.errors import DatasetError
 from models.estimate import PoseEstimate
-from models.estimates_file import read_estimates
 from tests.bench.sweep.conftest import SUNS, SmallSweep
 from tests.support.small_scenes import needs_jit
 from tests.support.whole_runs import identities, start

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from models.arrays import Floats
 from models.motion.clohessy_wiltshire import EARTH_MU_M3_S2
 from models.motion.kepler_orbit import KeplerOrbit, eccentric_anomaly
-from models.relative_state import ChaserState
+from models.motion.relative_state import ChaserState
 
 ROUNDING = 1e-9  # relative: an eccentricity of 0.9 costs a factor of a few hundred
 INTEGRATOR_M = 1e-3  # DOP853 at rtol 1e-13 over one revolution of 1e8 m

@@ -6,7 +6,7 @@ import pytest
 from models.arrays import Floats
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_motion import integrate, linear_rate, nonlinear_rate
-from models.relative_state import ChaserState
+from models.motion.relative_state import ChaserState
 
 # Both orbits are known to 1e-16 of 7e6 m (1.3e7 m at the HEO's perigee), and their anomalies to
 # 1e-16 of a radian: what is left of their difference is some nanometres.

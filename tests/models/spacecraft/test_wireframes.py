@@ -15,8 +15,8 @@ from models.spacecraft import hispasat_layout, xmm_layout
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
 from models.spacecraft.hull import box_outline, is_appendage, sheet_outline, wireframe
 from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
-from models.wireframe import Wireframe
-from models.wireframe_visibility import CLEAR_M, visible_landmarks
+from models.wireframe.visibility import CLEAR_M, visible_landmarks
+from models.wireframe.wireframe import Wireframe
 
 # Landmarks of a sheet lie in the middle of its thickness, its edge members a millimetre outside.
 SHEET_M = 0.5 * max(xmm_layout.WING.thickness_m, hispasat_layout.WING.thickness_m) + 0.0011

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from models.motion.relative_state import ChaserState
 from models.pose import RigidTransform
-from models.relative_state import ChaserState
 from models.uncooperative import ImageFrame, UncooperativeKnowledge
 from pipelines.acquisition.from_image import (
     ImageAcquirer,
@@ -20,8 +20,8 @@ from pipelines.acquisition.view_sphere import (
     pose_from_view,
     view_sphere,
 )
-from pipelines.image_pose_finder import ImagePoseFinder
-from pipelines.uncooperative_options import options_for
+from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
+from pipelines.uncooperative.options import options_for
 from tests.support.drawn_targets import CAMERA, DETECTOR, drawn, target
 
 WIREFRAME = target()

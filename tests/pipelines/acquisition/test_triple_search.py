@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform, pose_error
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 from pipelines.acquisition.acquisition_options import TripleSearchOptions
 from pipelines.acquisition.triple_search import Acquisition, TripleSearch, wide_triples
 from tests.support.point_targets import (

@@ -13,9 +13,9 @@ from models.errors import ScenarioError
 from models.estimate import Detections, PoseEstimate
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S, corrupted
 from models.motion.kepler_orbit import KeplerOrbit
+from models.motion.relative_state import ChaserState, RelativeState
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
-from models.relative_state import ChaserState, RelativeState
 from pipelines.filters.navigation_options import (
     BEST,
     PAPER,

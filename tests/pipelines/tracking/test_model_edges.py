@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform
-from models.wireframe import Wireframe
+from models.wireframe.wireframe import Wireframe
 from pipelines.tracking.edge_fit import normal_jacobian
 from pipelines.tracking.model_edges import ModelEdges
 from tests.support.drawn_targets import CAMERA, target

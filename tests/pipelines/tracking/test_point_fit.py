@@ -8,7 +8,7 @@ import poselib
 import pytest
 
 from models.pose import RigidTransform, pose_error
-from pipelines.options import options_for
+from pipelines.chaser_fixed.options import options_for
 from pipelines.pnp.covariance import pose_covariance
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem

@@ -1,0 +1,1 @@
+"""Pipelines driven over frames."""

@@ -1,0 +1,272 @@
+"""Anybody's image pairs, made into what the pipeline takes.
+
+A folder of ``NAME_800.png`` and ``NAME_850.png``, 8 or 16 bits, grey. Pairs are taken in the order
+of their names. Times come from ``frames.csv`` (index, time_s, exposure_ms) in the folder where
+there is one, else from the rate given; the first pose comes from a ``prior.toml``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from bench.estimating.estimation import estimate_run
+from models.arrays import Image
+from models.camera import Camera
+from models.dataset.dataset import (
+    FrameEntry,
+    read_detector,
+    read_frame_entries,
+    read_markers,
+    read_prior,
+)
+from models.errors import DatasetError, ScenarioError, cause
+from models.frame import FlightKnowledge, Frame, MarkerPattern
+from models.sensors.camera_chip import Detector
+
+UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it
+BITS = (8, 10, 12, 14, 16)
+PNG_BIT_DEPTH = 24  # where a PNG's header tells the bits of a channel
+
+
+@dataclass(frozen=True)
+class ForeignPair:
+    """One image pair on disk."""
+
+    entry: FrameEntry
+    path_800: Path
+    path_850: Path
+
+
+def estimate_pairs(
+    folder: Path,
+    camera: Camera,
+    target: str,
+    prior: Path | None,
+    detector: Path | None,
+    rate_hz: float,
+    out: Path,
+) -> list[Path]:
+    """Estimate every image pair of a folder with every variant.
+
+    Parameters
+    ----------
+    folder : Path
+        Of image pairs.
+    camera : Camera
+        As calibrated.
+    target : str
+        Whose markers they show: a target's name, or a ``markers.toml``.
+    prior : Path or None
+        The first pose; else ``prior.toml`` in or beside the folder.
+    detector : Path or None
+        Else guessed from the first image; see ``guessed_detector``.
+    rate_hz : float, Hz
+        Where the folder has no ``frames.csv``.
+    out : Path
+        The estimates go to ``out/estimates``.
+
+    Returns
+    -------
+    list of Path
+        The estimates files.
+
+    Raises
+    ------
+    DatasetError, ScenarioError
+        If the pairs, the prior or the target cannot be used.
+    """
+    if not 0.0 < rate_hz < np.inf:
+        raise ScenarioError(f"expected a rate in Hz above zero, got {rate_hz}")
+    pairs = find_pairs(folder, rate_hz)
+    knowledge = foreign_knowledge(folder, pairs, camera, target, prior, detector)
+    return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, len(pairs))
+
+
+def find_pairs(folder: Path, rate_hz: float) -> list[ForeignPair]:
+    """List the image pairs of a folder, in order of name.
+
+    Raises
+    ------
+    DatasetError
+        If there are none, one of a pair is missing, or ``frames.csv`` has another number of rows.
+    """
+    found = {band: _by_name(folder, band) for band in (800, 850)}
+    if not found[850] and not found[800]:
+        raise DatasetError(
+            f"expected image pairs NAME_800.png and NAME_850.png in {folder}, {_found(folder)}"
+        )
+    for band, other in ((800, 850), (850, 800)):
+        alone = sorted(set(found[other]) - set(found[band]))
+        if alone:
+            raise DatasetError(
+                f"{folder}: expected {alone[0]}_{band}.png beside {alone[0]}_{other}.png, found "
+                f"none (images alone at {other} nm: {len(alone)}); add it, or take the other away"
+            )
+    names = sorted(found[850], key=_natural)
+    entries = [FrameEntry(k, k / rate_hz, UNKNOWN_EXPOSURE_MS) for k in range(len(names))]
+    if (folder / "frames.csv").is_file():
+        entries = read_frame_entries(folder)
+        if len(entries) != len(names):
+            raise DatasetError(
+                f"{folder}/frames.csv: expected one row for each of {len(names)} image pairs, "
+                f"got {len(entries)}"
+            )
+    return [
+        ForeignPair(entry, found[800][name], found[850][name])
+        for entry, name in zip(entries, names, strict=True)
+    ]
+
+
+def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
+    """Read image pairs one at a time.
+
+    Raises
+    ------
+    DatasetError
+        If an image is not whole, not grey, or not of the camera's size.
+    """
+    for pair in pairs:
+        images = [read_grey(path) for path in (pair.path_800, pair.path_850)]
+        for path, image in zip((pair.path_800, pair.path_850), images, strict=True):
+            if image.shape != (camera.height, camera.width):
+                raise DatasetError(
+                    f"{path}: expected {camera.width} x {camera.height} pixels, as the camera has, "
+                    f"got {image.shape[1]} x {image.shape[0]}; give the camera that took them"
+                )
+        entry = pair.entry
+        yield Frame(entry.index, entry.time_s, images[0], images[1], entry.exposure_ms)
+
+
+def read_grey(path: Path) -> Image:
+    """Read a grey image of 8 or 16 bits; three equal channels are one.
+
+    Raises
+    ------
+    DatasetError
+        If it is missing, truncated, or of another kind.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DatasetError(f"expected an image at {path}, got: {cause(error)}") from error
+    whole = data.rstrip(b"\0").endswith(b"IEND\xaeB`\x82")
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if whole else None
+    if image is None:
+        raise DatasetError(
+            f"expected a whole PNG at {path}, got {len(data)} bytes that are not; copy it again"
+        )
+    if image.ndim == 3 and (image[..., :3] == image[..., :1]).all():
+        image = image[..., 0]
+    if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16):
+        raise DatasetError(
+            f"{path}: expected a grey image of 8 or 16 bits, got {image.dtype} of shape "
+            f"{image.shape}; take the mean of the channels first"
+        )
+    return np.asarray(image, dtype=np.uint16)
+
+
+def marker_pattern(target: str) -> MarkerPattern:
+    """Return a target's markers, by its name or from a ``markers.toml``.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such target or it has no markers.
+    """
+    if target.endswith(".toml"):
+        return read_markers(Path(target))
+    from models.spacecraft.catalogue import spacecraft_by_name  # builds meshes: only when asked
+
+    markers = spacecraft_by_name(target).markers
+    if markers is None:
+        raise ScenarioError(
+            f"expected a target with markers, got {target!r}, which has none; "
+            "give its markers as a .toml file"
+        )
+    return markers
+
+
+def guessed_detector(image: Image) -> Detector:
+    """Guess a detector from one of its images: bits from the largest number, no bias.
+
+    Gain and noise follow from a full well of 100 000 e over those bits; they weigh centroids
+    against each other and decide what is saturated, so a rough guess serves.
+    """
+    largest = max(int(image.max()), 1)
+    bits = next(bits for bits in BITS if largest < 2**bits)
+    default = Detector()
+    return Detector(gain_e_dn=default.full_well_e / 2**bits, bias_dn=0.0, bits=bits)
+
+
+def foreign_knowledge(
+    folder: Path,
+    pairs: list[ForeignPair],
+    camera: Camera,
+    target: str,
+    prior: Path | None,
+    detector: Path | None,
+) -> FlightKnowledge:
+    """Gather what must be known before the first frame.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no prior: the pipeline tracks, it does not acquire.
+    """
+    beside = [place / "prior.toml" for place in (folder, folder.parent)]
+    path = prior or next((place for place in beside if place.is_file()), None)
+    if path is None:
+        raise ScenarioError(
+            f"expected a first pose: none was given with --prior, and there is no {beside[0]}; "
+            "this pipeline tracks from a prior. Write a TOML file with t_cam_from_target_m, "
+            "euler_321_deg, sigma_t_m and sigma_euler_deg, three numbers each"
+        )
+    pose, sigma_m, sigma_deg = read_prior(path)
+    return FlightKnowledge(
+        camera=camera,
+        detector=_detector(pairs[0].path_850, detector),
+        markers=marker_pattern(target),
+        prior=pose,
+        prior_sigma_m=sigma_m,
+        prior_sigma_deg=sigma_deg,
+    )
+
+
+def _detector(image: Path, given: Path | None) -> Detector:
+    """Read the detector given, and hold it against an image; guess it where none is given."""
+    pixels = read_grey(image)
+    if given is None:
+        return guessed_detector(pixels)
+    detector = read_detector(given)
+    bits = 8 if image.read_bytes()[PNG_BIT_DEPTH] <= 8 else 16
+    if bits < detector.bits or int(pixels.max()) > detector.max_dn:
+        raise DatasetError(
+            f"{given}: expected the detector of these images, got one of {detector.bits} bits; "
+            f"{image} has {bits} bits and values up to {int(pixels.max())}; "
+            "leave --detector out to have it guessed"
+        )
+    return detector
+
+
+def _found(folder: Path) -> str:
+    if not folder.is_dir():
+        return "found a file there" if folder.exists() else "found no such folder"
+    if (folder / "dataset.json").is_file():
+        return f"found a dataset: `rvbench estimate {folder}` reads it"
+    return "found none"
+
+
+def _by_name(folder: Path, band: int) -> dict[str, Path]:
+    ending = f"_{band}.png"
+    return {path.name.removesuffix(ending): path for path in folder.glob(f"*{ending}")}
+
+
+def _natural(name: str) -> tuple[tuple[int, str], ...]:
+    parts = re.split(r"(\d+)", name)
+    return tuple((int(part), "") if part.isdigit() else (-1, part) for part in parts)

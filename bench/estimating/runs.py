@@ -1,0 +1,147 @@
+"""The runs of a dataset: the same frames and truth, another detector seed and another prior.
+
+::
+
+    DIR/estimates/best.jsonl, best.runtime.csv          run 0
+        seeds/001/prior.toml, camera.toml               run 1: what it was given
+        seeds/001/estimates/best.jsonl, ...
+        seeds/001/run.json                              written last: whose frames it saw
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from models.dataset.dataset import FrameEntry
+from models.dataset.estimates_file import read_estimates, read_runtimes
+from models.errors import DatasetError
+from models.estimate import Estimate
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one pipeline variant said in one run.
+
+    Attributes
+    ----------
+    number : int
+    estimates : dict
+        By frame; one for every frame of the dataset.
+    runtime_ms : dict
+        By frame; empty if nobody measured.
+    """
+
+    number: int
+    estimates: dict[int, Estimate]
+    runtime_ms: dict[int, float]
+
+
+def run_folder(folder: Path, number: int) -> Path:
+    """Return where a run keeps its own files; run 0 is the dataset itself."""
+    return folder if number == 0 else folder / "seeds" / f"{number:03d}"
+
+
+def estimates_path(folder: Path, number: int, variant: str) -> Path:
+    """Return the estimates file of one variant in one run."""
+    return run_folder(folder, number) / "estimates" / f"{variant}.jsonl"
+
+
+def runtimes_path(folder: Path, number: int, variant: str) -> Path:
+    """Return the runtimes file of one variant in one run."""
+    return run_folder(folder, number) / "estimates" / f"{variant}.runtime.csv"
+
+
+def stamp_path(folder: Path, number: int) -> Path:
+    """Return the file that says of which dataset, and with which settings, a run was made."""
+    return run_folder(folder, number) / "run.json"
+
+
+def dataset_fingerprint(folder: Path) -> str:
+    """Return a hash of what makes the frames of a dataset: its scenario, Sun, times, target."""
+    digest = hashlib.sha256()
+    for name in ("dataset.json", "frames.csv", "detector.toml", "markers.toml"):
+        path = folder / name
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()
+
+
+def read_stamp(folder: Path, number: int) -> dict[str, str]:
+    """Return a run's stamp; empty if it has none or it cannot be read."""
+    try:
+        stamp = json.loads(stamp_path(folder, number).read_text())
+    except (OSError, ValueError):
+        return {}
+    return dict(stamp) if isinstance(stamp, dict) else {}
+
+
+def found_variants(folder: Path) -> tuple[str, ...]:
+    """Return the variants that have estimates of run 0.
+
+    Raises
+    ------
+    DatasetError
+        If there are none.
+    """
+    variants = tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+    if not variants:
+        raise DatasetError(
+            f"expected estimates at {folder / 'estimates'}/*.jsonl, found none; "
+            f"run `rvbench estimate {folder}` first"
+        )
+    return variants
+
+
+def spoken_variant(folder: Path, variant: str) -> str | None:
+    """Return a variant if it has estimates of run 0, None if none has.
+
+    Raises
+    ------
+    DatasetError
+        If others have, but not this one.
+    """
+    spoken = sorted(path.stem for path in (folder / "estimates").glob("*.jsonl"))
+    if spoken and variant not in spoken:
+        raise DatasetError(
+            f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, got {variant!r}"
+        )
+    return variant if spoken else None
+
+
+def found_runs(folder: Path, variant: str) -> list[int]:
+    """Return the numbers of the runs that have estimates of a variant, in order."""
+    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{variant}.jsonl")
+    numbers = sorted(int(path.parent.parent.name) for path in others)
+    return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
+
+
+def read_run(folder: Path, number: int, variant: str, entries: list[FrameEntry]) -> Run:
+    """Read a run and hold it against the dataset's frames.
+
+    Raises
+    ------
+    DatasetError
+        If the estimates are not one for every frame, or the run was made on other frames.
+    """
+    path = estimates_path(folder, number, variant)
+    mend = (
+        f"run `rvbench estimate {folder}` again"
+        if number == 0
+        else f"delete {run_folder(folder, number)}, or run again with --seeds"
+    )
+    stamp = read_stamp(folder, number)
+    if stamp.get("dataset", dataset_fingerprint(folder)) != dataset_fingerprint(folder):
+        raise DatasetError(f"{path}: expected estimates of this dataset, got another's; {mend}")
+    estimates = {estimate.frame: estimate for estimate in read_estimates(path)}
+    wanted = {entry.index for entry in entries}
+    if set(estimates) != wanted:
+        missing, extra = sorted(wanted - set(estimates)), sorted(set(estimates) - wanted)
+        raise DatasetError(
+            f"{path}: expected one estimate for each of the {len(wanted)} frames; "
+            f"{len(missing)} missing{f' (first: {missing[0]})' if missing else ''}, "
+            f"{len(extra)} of no frame{f' (first: {extra[0]})' if extra else ''}; "
+            f"the frames have changed since: {mend}"
+        )
+    return Run(number, estimates, read_runtimes(runtimes_path(folder, number, variant)))

@@ -1,0 +1,284 @@
+"""Acquisition tried at many moments of a tumble, each time as if nothing had been seen before.
+
+It reads the public half of a dataset and writes what came of it beside the estimates::
+
+    DIR/estimates/starts/best.json      what came of every start
+                         best/          the same as units, so that a killed trial goes on
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from bench.estimating.navigators import OURS, navigator, options_text
+from bench.suites.pesce2019.plan import VARIANTS
+from bench.suites.spread import do_units
+from bench.suites.units import Outcome, WorkUnit, done_outcome
+from models.atomic_file import write_text
+from models.dataset.dataset import FILTERED, FrameEntry, image_path, read_frame_entries
+from models.dataset.image_dataset import (
+    read_image_frame,
+    read_navigation,
+    read_uncooperative_knowledge,
+)
+from models.errors import DatasetError, cause
+from models.estimate import PoseEstimate
+from models.pose import RigidTransform
+
+STARTS = 50
+MOST_IMAGES = 5
+CHUNK = 5  # starts of one unit
+IMAGE_S = 2.0  # until one was timed
+PUBLIC = ("dataset.json", "frames.csv", "navigation.csv", "knowledge.toml", "camera.toml",
+          "detector.toml", "wireframe.json")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StartsTask:
+    """Some starts on a dataset by one variant.
+
+    Attributes
+    ----------
+    folder : str
+    dataset : str
+        Hash of its public half.
+    navigator, variant, options : str
+        Module of the pipeline, its variant, and all settings as text.
+    frames : tuple of tuples of int
+        By start: the frames that it may look at, in order.
+    """
+
+    folder: str
+    dataset: str
+    navigator: str
+    variant: str
+    options: str
+    frames: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What came of one.
+
+    Attributes
+    ----------
+    frame : int
+        The first that it looked at.
+    images : int
+        How many it looked at until one gave a pose; 0 if none did.
+    cam_from_target : RigidTransform or None
+        Of the last of those images.
+    pose_frame : int or None
+        Which that is.
+    seconds : float
+    reason : str
+        What the last image without a pose was said to lack.
+    """
+
+    frame: int
+    images: int
+    cam_from_target: RigidTransform | None
+    pose_frame: int | None
+    seconds: float
+    reason: str
+
+
+def starts_path(folder: Path, variant: str) -> Path:
+    """Return the file of one variant's starts."""
+    return folder / "estimates" / "starts" / f"{variant}.json"
+
+
+def chosen_starts(
+    indices: list[int], starts: int = STARTS, most_images: int = MOST_IMAGES
+) -> tuple[tuple[int, ...], ...]:
+    """Return, by start, the frames that it may look at: starts evenly spread over a dataset.
+
+    The last starts have images left to go on to, where the dataset has enough.
+    """
+    last = max(0, len(indices) - most_images)
+    places = dict.fromkeys(np.linspace(0, last, starts).round().astype(int).tolist())
+    return tuple(tuple(indices[place : place + most_images]) for place in places)
+
+
+def try_starts(
+    folder: Path,
+    workers: int = 1,
+    starts: int = STARTS,
+    most_images: int = MOST_IMAGES,
+    navigator: str = OURS,
+) -> list[Path]:
+    """Try what is not tried yet, by both variants, and write what came of it.
+
+    Parameters
+    ----------
+    folder : Path
+        A dataset of single images; its truth half is not read.
+    workers : int
+    starts, most_images : int
+        How many starts, and images that each may look at.
+    navigator : str
+        Module of the pipeline.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    DatasetError
+        If the public half cannot be read.
+    """
+    frames = chosen_starts([e.index for e in read_frame_entries(folder)], starts, most_images)
+    home = folder / "estimates" / "starts"
+    dataset = public_fingerprint(folder)
+    units = {each: _units(folder, dataset, each, frames, navigator) for each in VARIANTS}
+    do_units([unit for own in units.values() for unit in own], home, workers,
+             Console(stderr=True))  # fmt: skip
+    return [
+        _write(folder, variant, most_images, [done_outcome(home, unit) for unit in own])
+        for variant, own in units.items()
+    ]
+
+
+def _units(
+    folder: Path,
+    dataset: str,
+    variant: str,
+    frames: tuple[tuple[int, ...], ...],
+    navigator: str,
+) -> list[WorkUnit]:
+    return [
+        WorkUnit(
+            name=f"{variant}/from_{frames[first][0]:06d}",
+            work=tried,
+            task=StartsTask(
+                folder=str(folder.resolve()),
+                dataset=dataset,
+                navigator=navigator,
+                variant=variant,
+                options=options_text(navigator, variant),
+                frames=frames[first : first + CHUNK],
+            ),
+            kind=f"starts, {variant}",
+            expected_s=CHUNK * IMAGE_S,
+            modules=(navigator,),
+        )
+        for first in range(0, len(frames), CHUNK)
+    ]
+
+
+def public_fingerprint(folder: Path) -> str:
+    """Return a hash of a dataset's public half, its images too."""
+    digest = hashlib.sha256()
+    images = [image_path(folder, entry.index, FILTERED) for entry in read_frame_entries(folder)]
+    for path in [*(folder / name for name in PUBLIC), *images]:
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()
+
+
+def tried(task: StartsTask) -> Outcome:
+    """Try some starts."""
+    folder = Path(task.folder)
+    knowledge = read_uncooperative_knowledge(folder)
+    entries: dict[int, FrameEntry] = {each.index: each for each in read_frame_entries(folder)}
+    chaser = read_navigation(folder)
+    rows: list[list[float]] = []
+    poses, seconds, reasons = [], [], []
+    for frames in task.frames:
+        pipeline = navigator(task.navigator, task.variant, knowledge)
+        spent_s, images, pose, reason = 0.0, 0, np.full((3, 4), np.nan), ""
+        for place, index in enumerate(frames, start=1):
+            frame = read_image_frame(folder, entries[index], chaser[index])
+            began = time.process_time()
+            said = pipeline.process(frame).pose
+            spent_s += time.process_time() - began
+            if isinstance(said, PoseEstimate):
+                images = place
+                pose = said.cam_from_target.matrix()[:3]
+                break
+            reason = said.reason
+        rows.append([frames[0], images, frames[images - 1] if images else -1])
+        poses.append(pose)
+        seconds.append(spent_s)
+        reasons.append(reason)
+    table = np.array(rows, dtype=np.int64)
+    values = {
+        "frame": table[:, 0],
+        "images": table[:, 1],
+        "pose_frame": table[:, 2],
+        "cam_from_target": np.array(poses),
+        "reason": np.array(reasons, dtype=np.str_),
+    }
+    return Outcome(values, np.array(seconds))
+
+
+def _write(folder: Path, variant: str, most_images: int, outcomes: list[Outcome]) -> Path:
+    listed: list[dict[str, Any]] = []
+    for outcome in outcomes:
+        for place, frame in enumerate(outcome.values["frame"].tolist()):
+            images = int(outcome.values["images"][place])
+            pose = outcome.values["cam_from_target"][place]
+            listed.append(
+                {
+                    "frame": frame,
+                    "images": images,
+                    "pose_frame": int(outcome.values["pose_frame"][place]) if images else None,
+                    "cam_from_target": pose.tolist() if images else None,
+                    "reason": str(outcome.values["reason"][place]),
+                    "seconds": float(outcome.seconds[place]),
+                }
+            )
+    path = starts_path(folder, variant)
+    document = {"variant": variant, "most_images": most_images, "starts": listed}
+    write_text(path, json.dumps(document, indent=1) + "\n")
+    return path
+
+
+def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
+    """Read one variant's starts: how many images each might look at, and what came of each.
+
+    A dataset on which none were tried has none.
+
+    Raises
+    ------
+    DatasetError
+        If the file is there and cannot be read.
+    """
+    path = starts_path(folder, variant)
+    if not path.is_file():
+        return 0, []
+    try:
+        document = json.loads(path.read_text())
+        starts = [
+            Start(
+                frame=int(each["frame"]),
+                images=int(each["images"]),
+                cam_from_target=_pose(each["cam_from_target"]),
+                pose_frame=each["pose_frame"],
+                seconds=float(each["seconds"]),
+                reason=str(each["reason"]),
+            )
+            for each in document["starts"]
+        ]
+        return int(document["most_images"]), starts
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise DatasetError(
+            f"{path}: expected the starts that were tried, got: {cause(error)}; "
+            "delete it and estimate again: only what is missing is done"
+        ) from error
+
+
+def _pose(rows: list[list[float]] | None) -> RigidTransform | None:
+    if rows is None:
+        return None
+    matrix = np.array(rows, dtype=np.float64)
+    return RigidTransform(matrix[:, :3], matrix[:, 3])

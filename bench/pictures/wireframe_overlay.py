@@ -1,0 +1,164 @@
+"""A frame with the target's wireframe drawn over it: as estimated, and as it truly was.
+
+Edges that the target hides are left out. Truth is drawn first, so that where the estimate sits on
+it only the estimate shows. The stroke lies on the edge, not beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.pictures.stretch import stretch
+from models.arrays import AnyArray, Floats
+from models.camera import Camera
+from models.pose import RigidTransform
+from models.sensors.camera_chip import Detector
+from models.uncooperative import ImageFrame, NavigationEstimate, UncooperativeKnowledge
+from models.wireframe.visibility import visible_edge_pieces
+from models.wireframe.wireframe import Wireframe
+from renders.truth.image_truth import ImageTruth
+
+ESTIMATE_GREEN = (74, 222, 96)
+TRUTH_CYAN = (70, 214, 255)
+CORNER_RED = (255, 77, 64)
+LEFT_OUT_RED = (150, 62, 56)
+LEGEND = (
+    "green: the wireframe at the estimated pose; cyan: at the true one, where they differ; "
+    "red circle: detected corner (dim: matched to no landmark)"
+)
+PIECES = 33  # of an edge, each seen or not
+SUBPIXEL_BITS = 4
+MARGIN = 0.12  # around the target in a close view, as a share of its picture
+
+Window = tuple[float, float, float]  # left, top and side of a square of the image, px
+Colour = tuple[int, int, int]
+
+
+def wireframe_overlay(
+    frame: ImageFrame,
+    knowledge: UncooperativeKnowledge,
+    width_px: int,
+    *,
+    estimate: NavigationEstimate | None = None,
+    truth: ImageTruth | None = None,
+    window: Window | None = None,
+) -> NDArray[np.uint8]:
+    """Return a frame as a picture with what was estimated and what was true.
+
+    Parameters
+    ----------
+    frame : ImageFrame
+    knowledge : UncooperativeKnowledge
+    width_px : int, px
+        Of the picture.
+    estimate : NavigationEstimate, optional
+        Its wireframe is drawn at the filtered pose, or at the image's own where there is none.
+    truth : ImageTruth, optional
+    window : (left, top, side), px, optional
+        The square of the image to draw; all of it unless given. See ``window_around``.
+
+    Returns
+    -------
+    (height, width_px, 3) uint8 array
+        RGB.
+    """
+    canvas = _Canvas.of(frame, knowledge.detector or Detector(), width_px, window)
+    camera, target = knowledge.camera, knowledge.target
+    if truth is not None:
+        canvas.draw_edges(camera, target, truth.cam_from_target, TRUTH_CYAN)
+    if estimate is not None:
+        pose = estimated_pose(estimate, knowledge)
+        if pose is not None:
+            canvas.draw_edges(camera, target, pose, ESTIMATE_GREEN)
+        found = estimate.pose.detections
+        for pixel, landmark in zip(found.points_px, found.marker, strict=True):
+            canvas.circle(pixel, CORNER_RED if landmark >= 0 else LEFT_OUT_RED)
+    return canvas.picture
+
+
+def estimated_pose(
+    estimate: NavigationEstimate, knowledge: UncooperativeKnowledge
+) -> RigidTransform | None:
+    """Return ``cam_from_target`` after the filters, else the image's own, else None."""
+    if estimate.state is not None:
+        return estimate.state.cam_from_target(knowledge.cam_from_lvlh)
+    return estimate.pose.cam_from_target if estimate.pose.status == "pose" else None
+
+
+def window_around(
+    knowledge: UncooperativeKnowledge, cam_from_target: RigidTransform
+) -> Window | None:
+    """Return the square that holds the target at a pose; None if it is not in front."""
+    pixels = knowledge.camera.project(cam_from_target @ knowledge.target.points_in_target)
+    if not np.isfinite(pixels).all():
+        return None
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    side = float((high - low).max() * (1.0 + 2.0 * MARGIN))
+    left, top = (0.5 * (low + high) - 0.5 * side).tolist()
+    return left, top, side
+
+
+@dataclass(eq=False)
+class _Canvas:
+    """A picture of a part of an image, and where in it a pixel of the image lies."""
+
+    picture: NDArray[np.uint8]
+    scale: float
+    left: float
+    top: float
+
+    @classmethod
+    def of(
+        cls, frame: ImageFrame, detector: Detector, width_px: int, window: Window | None
+    ) -> _Canvas:
+        grey = stretch(frame.image.astype(np.float64) - detector.bias_dn, detector)
+        height, width = grey.shape
+        left, top, side = window or (-0.5, -0.5, float(width))
+        scale = width_px / side
+        height_px = width_px if window else round(height * scale)
+        shape = (width_px, height_px)
+        if scale < 1.0 and window is None:
+            grey = cv2.resize(grey, shape, interpolation=cv2.INTER_AREA)
+        else:
+            step = 1.0 / scale
+            warp = np.array([[step, 0.0, left + 0.5 * step], [0.0, step, top + 0.5 * step]])
+            flags = cv2.WARP_INVERSE_MAP | (cv2.INTER_LINEAR if scale < 1.0 else cv2.INTER_NEAREST)
+            grey = cv2.warpAffine(grey, warp, shape, flags=flags)
+        levels = np.rint(255.0 * np.clip(grey, 0.0, 1.0)).astype(np.uint8)
+        return cls(np.repeat(levels[:, :, None], 3, axis=2), scale, left, top)
+
+    def draw_edges(
+        self, camera: Camera, target: Wireframe, cam_from_target: RigidTransform, colour: Colour
+    ) -> None:
+        pieces = visible_edge_pieces(target, cam_from_target, PIECES)
+        flat = pieces.points_in_target.reshape(-1, 3)
+        pixels = camera.project(cam_from_target @ flat).reshape(*pieces.visible.shape, 2)
+        seen = pieces.visible & np.isfinite(pixels).all(axis=2)
+        for line, shown in zip(pixels, seen, strict=True):
+            for number in np.flatnonzero(shown[:-1] & shown[1:]):
+                self._line(line[number], line[number + 1], colour)
+
+    def circle(self, pixel: Floats, colour: Colour) -> None:
+        radius = max(3.0, 0.006 * self.picture.shape[1])
+        size = round(radius * 2**SUBPIXEL_BITS)
+        cv2.circle(
+            self.picture, self._at(pixel), size, colour, self._stroke, cv2.LINE_AA, SUBPIXEL_BITS
+        )
+
+    @property
+    def _stroke(self) -> int:
+        return max(1, round(self.picture.shape[1] / 1200))
+
+    def _line(self, start: AnyArray, end: AnyArray, colour: Colour) -> None:
+        ends = self._at(start), self._at(end)
+        cv2.line(self.picture, *ends, colour, self._stroke, cv2.LINE_AA, SUBPIXEL_BITS)
+
+    def _at(self, pixel: AnyArray) -> tuple[int, int]:
+        """Return where a pixel of the image lies, in OpenCV's fixed point."""
+        place = (np.asarray(pixel) - [self.left, self.top]) * self.scale - 0.5
+        x, y = np.rint(place * 2**SUBPIXEL_BITS).astype(int)
+        return int(x), int(y)

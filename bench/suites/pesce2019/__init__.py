@@ -1,0 +1,1 @@
+"""The tables of Pesce et al. 2019."""

@@ -1,0 +1,124 @@
+"""``rvbench suite pesce2019``: plan, run what is missing, summarise, report."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import asdict, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from bench.estimating.navigators import options_text
+from bench.report.numbers import number
+from bench.suites.code_fingerprint import code_fingerprint
+from bench.suites.pesce2019.comparison import Compared, compared
+from bench.suites.pesce2019.plan import CAMERA, PARTS, QUICK, RATE_HZ, VARIANTS, Plan, Sizes
+from bench.suites.pesce2019.results import Outcomes, Results
+from bench.suites.pesce2019.suite_page import write_suite_page
+from bench.suites.request import SuiteFiles, SuiteRequest
+from bench.suites.spread import do_units
+from bench.suites.units import LIBRARIES
+from models.atomic_file import write_text
+
+FORMAT, VERSION = "rvbench-suite", 1
+NEVER_THE_SAME = ("seconds", "frame_ms")
+
+
+def plan_of(request: SuiteRequest) -> Plan:
+    """Return what a request asks for.
+
+    Raises
+    ------
+    ScenarioError
+        If a part or a size is none.
+    """
+    own = QUICK if request.quick else Sizes()
+    asked = {
+        name: value
+        for name in ("runs", "acquisitions", "seeds", "duration_s", "paper_runs")
+        if (value := getattr(request, name)) is not None
+    }
+    return Plan(replace(own, seed=request.seed, **asked), request.parts or PARTS)
+
+
+def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
+    """Do what is missing and write ``suite.json`` and ``suite.html``.
+
+    Raises
+    ------
+    ScenarioError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    return run_plan(plan_of(request), request.out, request.workers, console)
+
+
+def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFiles:
+    """Do what is missing of a plan and write its results; see ``run_suite``."""
+    folder = out / "units"
+    do_units(plan.units(), folder, workers, console)
+    outcomes = Outcomes(plan, folder)
+    results = outcomes.results()
+    cells = compared(results)
+    score = out / "suite.json"
+    write_text(score, json.dumps(_document(plan, results, cells), indent=1) + "\n")
+    page = write_suite_page(out / "suite.html", outcomes, results, cells, _settings(plan))
+    return SuiteFiles(score, page, _summary(cells))
+
+
+def without_times(document: Any) -> Any:
+    """Return what ``suite.json`` holds, but for what no two runs have alike: times."""
+    if isinstance(document, dict):
+        return {
+            key: without_times(value)
+            for key, value in document.items()
+            if key not in NEVER_THE_SAME
+        }
+    if isinstance(document, list):
+        return [without_times(value) for value in document]
+    return document
+
+
+def _document(plan: Plan, results: Results, cells: list[Compared]) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "suite": "pesce2019",
+        "settings": _settings(plan),
+        "cells": [asdict(cell) for cell in cells],
+        "parts": asdict(results),
+    }
+
+
+def _settings(plan: Plan) -> dict[str, Any]:
+    return {
+        **asdict(plan.sizes),
+        "rate_hz": RATE_HZ,
+        "camera": CAMERA,
+        "navigator": plan.navigator,
+        "options": {name: options_text(plan.navigator, name) for name in VARIANTS},
+        "code": code_fingerprint("bench.suites.pesce2019.tracking_run", plan.navigator),
+        "libraries": {name: version(name) for name in LIBRARIES},
+    }
+
+
+def _summary(cells: list[Compared]) -> list[list[str]]:
+    """Return a line for each table: how its cells stand."""
+    rows = [["", "cells", "best at or below", "worst best", "paper within 2", "explained"]]
+    for table in dict.fromkeys(cell.table for cell in cells):
+        own = [cell for cell in cells if cell.table == table and "std" not in cell.quantity]
+        ratios = [cell.best_ratio for cell in own if cell.best_ratio is not None]
+        best, paper = Counter(c.best_verdict for c in own), Counter(c.paper_verdict for c in own)
+        rows.append(
+            [
+                table,
+                str(len(own)),
+                str(best["at or below"]),
+                f"{number(max(ratios, default=None))} x",
+                str(paper["within two"]),
+                str(sum(cell.explanation is not None for cell in own)),
+            ]
+        )
+    return rows

@@ -1,1 +1,0 @@
-"""The uncooperative target: suites on points, runs on frames, their scores and reports."""

@@ -1,0 +1,1 @@
+"""A dataset folder's public half: its files, read and written."""

@@ -1,0 +1,1 @@
+"""What measures: parameters and noise, as data."""

@@ -1,0 +1,1 @@
+"""A spacecraft as edges and landmarks."""

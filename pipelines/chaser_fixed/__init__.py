@@ -1,0 +1,1 @@
+"""The chaser-fixed camera's pipeline."""

@@ -1,0 +1,296 @@
+"""The chaser-fixed camera's pipeline: image pairs in, poses or reasons out (section 3.1).
+
+Follow a frame: the last poses predict this one (``tracking``), detection finds candidates,
+identification says which marker each is, the solver finds the pose, and in the best variant every
+disc is fitted where that pose says it is and the pose is solved again. What each variant does is
+told by ``options``; none of it raises on what an image shows.
+
+Source: Opromolla, Vela, Nocerino and Lombardi 2022, Remote Sensing 14(18), 4483.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import Floats, Indices
+from models.errors import DatasetError
+from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from models.frame import FlightKnowledge, Frame
+from models.pose import RigidTransform
+from pipelines.chaser_fixed.identification import (
+    identification_gate_px,
+    nearest_neighbour,
+    one_to_one,
+)
+from pipelines.chaser_fixed.match import Match, Solution
+from pipelines.chaser_fixed.options import VARIANTS, ChaserFixedOptions, options_for
+from pipelines.chaser_fixed.refinement import fit_markers
+from pipelines.detection.area_opening import expected_radius_px
+from pipelines.detection.candidates import Candidates
+from pipelines.detection.disc_fit import ExpectedBlur
+from pipelines.detection.global_threshold import detect_by_global_threshold
+from pipelines.detection.image_difference import Region, swapped
+from pipelines.detection.marker_search import (
+    PredictedMarkers,
+    marker_regions,
+    pair_costs,
+    predict_markers,
+    search,
+    within_gate,
+)
+from pipelines.pnp.hypotheses import FAR_CHI2, propose_match
+from pipelines.pnp.robust_pose import solve_match
+from pipelines.tracking.motion_prediction import MotionPrediction, PredictedPose
+
+__all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
+
+COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
+COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
+MOST_GROWTH = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Sighting:
+    """What one look at a frame came to: candidates, and a pose or why none."""
+
+    candidates: Candidates
+    outcome: Solution | str
+
+
+class ChaserFixed:
+    """Tracks a target's pose through a run of frames.
+
+    Parameters
+    ----------
+    knowledge : FlightKnowledge
+        What is loaded on board.
+    options : ChaserFixedOptions
+        See ``options_for``.
+    """
+
+    def __init__(self, knowledge: FlightKnowledge, options: ChaserFixedOptions) -> None:
+        self._camera = knowledge.camera
+        self._detector = knowledge.detector
+        self._markers = knowledge.markers
+        self._options = options
+        self._motion = MotionPrediction(knowledge, options)
+        self._focal_px = 0.5 * (knowledge.camera.fx + knowledge.camera.fy)
+        self._blur = ExpectedBlur(
+            options.psf_sigma_px, options.psf_tolerance_px, options.psf_sigma_px
+        )
+
+    def process(self, frame: Frame) -> Estimate:
+        """Estimate the pose at one frame.
+
+        Parameters
+        ----------
+        frame : Frame
+            The first is matched from the prior, the next ones from the poses found before.
+
+        Returns
+        -------
+        PoseEstimate or NoPose
+
+        Raises
+        ------
+        DatasetError
+            If the images are not of the camera's size.
+        """
+        self._require_size(frame)
+        predicted = self._motion.predict(frame.time_s)
+        sighting = self._look(frame, predicted)
+        if isinstance(sighting.outcome, str):
+            self._motion.lost()
+            reason = self._explained(frame, predicted, sighting.outcome)
+            return NoPose(frame.index, frame.time_s, reason, self._unmatched(sighting.candidates))
+        solution = sighting.outcome
+        if self._options.centroiding == "disc_fit":
+            solution = self._refined(frame, solution)
+        self._motion.found(frame.time_s, solution.pose, solution.covariance)
+        return PoseEstimate(
+            frame=frame.index,
+            time_s=frame.time_s,
+            cam_from_target=solution.pose,
+            covariance=solution.covariance,
+            detections=self._detections(sighting, solution),
+            residual_rms_px=solution.residual_rms_px,
+        )
+
+    # Where to look, and for what.
+
+    def _look(self, frame: Frame, predicted: PredictedPose) -> _Sighting:
+        if self._options.threshold_rule != "per_blob":
+            return self._look_by_global_threshold(frame, predicted)
+        markers = predict_markers(self._camera, self._markers, predicted)
+        if markers is None:
+            return _Sighting(Candidates.none(), "no marker faces the camera in the predicted pose")
+        growth = self._growth(predicted)
+        if self._options.search_regions:
+            regions = marker_regions(self._camera, markers, self._options, growth)
+            if regions:
+                sighting = self._look_in(frame, predicted, markers, regions)
+                if not isinstance(sighting.outcome, str):
+                    return sighting
+        return self._look_in(frame, predicted, markers, [Region.whole(frame.image_850)])
+
+    def _look_by_global_threshold(self, frame: Frame, predicted: PredictedPose) -> _Sighting:
+        range_m = float(np.linalg.norm(predicted.pose.translation))
+        radius = expected_radius_px(self._markers.radius_m, range_m, self._focal_px)
+        candidates = detect_by_global_threshold(
+            frame, self._camera, self._detector, radius, self._options
+        )
+        reprojected = self._camera.project(predicted.pose @ self._markers.points_in_target)
+        gate = self._gate_px(predicted)
+        if self._options.identification == "nearest_neighbour":
+            matched = nearest_neighbour(candidates.points_px, reprojected, gate)
+        else:
+            gap = np.linalg.norm(candidates.points_px[:, None] - reprojected[None], axis=-1)
+            gap = np.nan_to_num(gap, nan=np.inf)
+            matched = one_to_one(gap**2 / gate**2, gap < gate)
+        sigma = self._options.centroid_sigma_px
+        match = self._match(candidates, matched, sigma)
+        return _Sighting(candidates, self._solved(match, predicted.pose, radius))
+
+    def _look_in(
+        self,
+        frame: Frame,
+        predicted: PredictedPose,
+        markers: PredictedMarkers,
+        regions: list[Region],
+    ) -> _Sighting:
+        candidates = search(frame, self._camera, self._detector, markers, regions, self._options)
+        points, radius = candidates.points_px, markers.radius_px
+        sigma = self._coarse_sigma_px(radius)
+        cost = pair_costs(points, markers, sigma)
+        near = within_gate(points, markers, self._gate_px(predicted))
+        allowed = near | (cost < self._options.region_sigmas**2)
+        matched = one_to_one(cost, allowed)
+        match = self._match(candidates, matched, sigma)
+        outcome = self._plausible(self._solved(match, predicted.pose, radius), predicted)
+        if isinstance(outcome, str) and self._options.verify and len(candidates) >= 4:
+            proposed = propose_match(
+                self._camera, self._markers, points, allowed, predicted, max(3.0, 0.5 * radius)
+            )
+            if proposed is not None:
+                pose, voted = proposed
+                match = self._match(candidates, voted, sigma)
+                outcome = self._plausible(self._solved(match, pose, radius), predicted)
+        return _Sighting(candidates, outcome)
+
+    # From matches to a pose.
+
+    def _solved(self, match: Match, start: RigidTransform, radius_px: float) -> Solution | str:
+        return solve_match(self._camera, self._markers, match, start, radius_px, self._options)
+
+    def _plausible(self, outcome: Solution | str, predicted: PredictedPose) -> Solution | str:
+        """Refuse a pose far from the prediction that has next to no match to spare."""
+        if isinstance(outcome, str) or outcome.used.sum() > self._options.min_markers:
+            return outcome
+        if not self._options.verify or predicted.squared_distance(outcome.pose) < FAR_CHI2:
+            return outcome
+        return f"{int(outcome.used.sum())} matched markers give a pose far from the predicted one"
+
+    def _refined(self, frame: Frame, coarse: Solution) -> Solution:
+        """Fit the discs and solve again; where too few can be fitted, the coarse pose stands."""
+        before = self._motion.shortly_before(frame.time_s, coarse.pose, self._options.pair_gap_s)
+        fitted = fit_markers(
+            frame,
+            self._camera,
+            self._detector,
+            self._markers,
+            coarse.pose,
+            before,
+            self._blur,
+            self._options,
+        )
+        range_m = float(np.linalg.norm(coarse.pose.translation))
+        radius = expected_radius_px(self._markers.radius_m, range_m, self._focal_px)
+        refined = self._solved(fitted.match, coarse.pose, radius)
+        if isinstance(refined, str):
+            return coarse
+        self._blur = ExpectedBlur(
+            self._options.psf_sigma_px,
+            self._options.psf_tolerance_px,
+            fitted.blur_px,
+            fitted.crosstalk,
+        )
+        return refined
+
+    # What to say.
+
+    def _detections(self, sighting: _Sighting, solution: Solution) -> Detections:
+        """List the solution's points, then the candidates that are none of them."""
+        match = solution.match
+        points, sigma = [*match.points_px], [*match.sigma_px]
+        marker, used = match.marker.tolist(), solution.used.tolist()
+        reprojected = self._camera.project(solution.pose @ self._markers.points_in_target)
+        depth = float(solution.pose.translation[2])
+        reach = max(1.5, 0.5 * self._markers.radius_m * self._focal_px / max(depth, 1e-3))
+        coarse = self._coarse_sigma_px(2.0 * reach)
+        for point in sighting.candidates.points_px:
+            if len(match) and np.linalg.norm(match.points_px - point, axis=1).min() < reach:
+                continue
+            gap = np.nan_to_num(np.linalg.norm(reprojected - point, axis=1), nan=np.inf)
+            nearest = int(np.argmin(gap))
+            refused = gap[nearest] < reach and nearest not in marker
+            points.append(point)
+            sigma.append(np.full(2, coarse))
+            marker.append(nearest if refused else -1)
+            used.append(False)
+        return Detections(
+            points_px=np.array(points).reshape(-1, 2),
+            sigma_px=np.array(sigma).reshape(-1, 2),
+            marker=tuple(int(index) for index in marker),
+            used=tuple(bool(kept) for kept in used),
+        )
+
+    def _unmatched(self, candidates: Candidates) -> Detections:
+        count = len(candidates)
+        return Detections(
+            points_px=candidates.points_px,
+            sigma_px=np.full((count, 2), self._options.centroid_sigma_px),
+            marker=(-1,) * count,
+            used=(False,) * count,
+        )
+
+    def _explained(self, frame: Frame, predicted: PredictedPose, reason: str) -> str:
+        """Say so if the pair makes sense the other way round."""
+        if not isinstance(self._look(swapped(frame), predicted).outcome, str):
+            return (
+                "the markers shine in the 800 nm image, not in the 850 nm one: "
+                "the two images are swapped"
+            )
+        return reason
+
+    # Sizes.
+
+    def _growth(self, predicted: PredictedPose) -> float:
+        return min(1.0 + self._options.gate_growth * predicted.lost_frames, MOST_GROWTH)
+
+    def _gate_px(self, predicted: PredictedPose) -> float:
+        range_m = float(np.linalg.norm(predicted.pose.translation))
+        separation = self._markers.min_separation_m
+        gate = identification_gate_px(separation, range_m, self._focal_px, self._options.s_id)
+        return gate * self._growth(predicted)
+
+    @staticmethod
+    def _coarse_sigma_px(radius_px: float) -> float:
+        return float(np.hypot(COARSE_SIGMA_PX, COARSE_SIGMA_RADII * radius_px))
+
+    @staticmethod
+    def _match(candidates: Candidates, matched: Indices, sigma_px: float) -> Match:
+        taken = matched >= 0
+        points: Floats = candidates.points_px[taken]
+        each = np.broadcast_to(sigma_px**2 * np.eye(2), (len(points), 2, 2))
+        return Match(points, each, matched[taken])
+
+    def _require_size(self, frame: Frame) -> None:
+        expected = (self._camera.height, self._camera.width)
+        if frame.image_850.shape != expected:
+            raise DatasetError(
+                f"frame {frame.index}: expected images of {expected[1]} x {expected[0]} pixels, "
+                f"as the camera's, got {frame.image_850.shape[1]} x {frame.image_850.shape[0]}; "
+                "give the camera that took them"
+            )

@@ -1,0 +1,1 @@
+"""The pipeline for a known target that does not help."""

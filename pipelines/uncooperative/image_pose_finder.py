@@ -1,0 +1,192 @@
+"""Poses of an uncooperative target from images: its drawn edges laid on those of the image.
+
+At its best: acquired among all views, tracked from the prediction, both on edges; the corners that
+lie on landmarks are named beside it. As printed: the image's corners go the paper's way, as points.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from models.arrays import Floats
+from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from models.pose import RigidTransform
+from models.uncooperative import ImageFrame, PointFrame, UncooperativeKnowledge
+from models.wireframe.visibility import visible_landmarks
+from pipelines.acquisition.from_image import (
+    FoundPose,
+    ImageAcquirer,
+    ImageAcquisitionOptions,
+    edge_image,
+)
+from pipelines.detection.corners import Corners, corners_of, find_corners
+from pipelines.tracking.edge_fit import EdgeFit, EdgeImage
+from pipelines.tracking.from_image import (
+    ImageTrackingOptions,
+    fit_covariance,
+    spread_px,
+    track_in_image,
+)
+from pipelines.tracking.model_edges import ModelEdges
+from pipelines.tracking.pose_check import PoseCheck
+from pipelines.uncooperative.options import UncooperativeOptions
+from pipelines.uncooperative.point_pose_finder import PointPoseFinder
+
+NAMED_WITHIN_PX = 3.0  # of 1024 columns: a corner this near to a landmark is it
+SECOND_OPINION_EVERY = 5
+CLEARLY_BETTER = 0.04
+FAR_SPREAD_PX = 12.0  # a prediction that may miss by more is good for little
+POINTS_AS_PRINTED = 25  # the most distinct corners; Algorithm 1 takes no clutter
+
+
+class ImagePoseFinder:
+    """Finds poses in images; see ``pipelines.uncooperative.pose_finder``.
+
+    Parameters
+    ----------
+    knowledge : UncooperativeKnowledge
+    options : UncooperativeOptions
+        Of which the variant decides between edges and the paper's corners.
+    acquisition : ImageAcquisitionOptions, optional
+    tracking : ImageTrackingOptions, optional
+    """
+
+    def __init__(
+        self,
+        knowledge: UncooperativeKnowledge,
+        options: UncooperativeOptions,
+        acquisition: ImageAcquisitionOptions | None = None,
+        tracking: ImageTrackingOptions | None = None,
+    ) -> None:
+        self._knowledge = knowledge
+        self._by_points = (
+            PointPoseFinder(knowledge, options) if options.variant == "paper" else None
+        )
+        self._acquisition = acquisition or ImageAcquisitionOptions()
+        self._tracking = tracking or ImageTrackingOptions()
+        self._edges = ModelEdges(knowledge.target)
+        self._acquirer = ImageAcquirer(
+            knowledge.target,
+            knowledge.camera,
+            knowledge.detector,
+            knowledge.range_m,
+            self._acquisition,
+        )
+        self._share = 0.0
+        self._unsure_frames = 0
+
+    def acquire(self, frame: ImageFrame) -> Estimate:
+        """Find the pose without any earlier one."""
+        if self._by_points is not None:
+            return self._by_points.acquire(self._points(frame))
+        outcome = self._acquirer.acquire(frame.image)
+        if outcome.found is None:
+            return self._none(frame, outcome.reason)
+        image = self._edge_image(frame)
+        return self._said(frame, image, outcome.found.fit, outcome.found.check)
+
+    def track(self, frame: ImageFrame, predicted: RigidTransform, covariance: Floats) -> Estimate:
+        """Find the pose near a predicted one."""
+        if self._by_points is not None:
+            return self._by_points.track(self._points(frame), predicted, covariance)
+        image = self._edge_image(frame)
+        tracked = track_in_image(image, self._edges, predicted, covariance, self._tracking)
+        score = 0.0 if isinstance(tracked, str) else tracked.check.score
+        wide = spread_px(image.camera, self._edges, predicted, covariance)
+        sure = score >= self._tracking.sure_score
+        self._unsure_frames = 0 if sure else self._unsure_frames + 1
+        if wide > FAR_SPREAD_PX or self._unsure_frames % SECOND_OPINION_EVERY == 1:
+            better = self._second_opinion(frame, score)
+            if better is not None:
+                estimate = self._said(frame, image, better.fit, better.check)
+                if wide < FAR_SPREAD_PX:
+                    self._share = 0.0
+                return estimate
+        if isinstance(tracked, str):
+            return self._none(frame, tracked, image)
+        if tracked.doubt:
+            return self._none(frame, tracked.doubt, image)
+        return self._said(frame, image, tracked.fit, tracked.check)
+
+    def _second_opinion(self, frame: ImageFrame, score: float) -> FoundPose | None:
+        """Look anew, as if nothing were known; return a pose that fits clearly better.
+
+        It takes as long as ten tracked frames, so it is had only where the prediction is good for
+        little, and at the first and then every fifth of frames in a row that fit poorly. A better
+        pose than the one near a sure prediction puts all of late in doubt: its share is none.
+        """
+        found = self._acquirer.acquire(frame.image).found
+        if found is None or found.check.score < score + CLEARLY_BETTER:
+            return None
+        return found
+
+    def matched_share(self, frame: ImageFrame, estimate: Estimate) -> float:
+        """Return the share of the visible edges in any light that the last pose has found."""
+        if isinstance(estimate, NoPose):
+            return 0.0
+        if self._by_points is not None:
+            return self._by_points.matched_share(self._points(frame), estimate)
+        return self._share
+
+    def _edge_image(self, frame: ImageFrame) -> EdgeImage:
+        knowledge = self._knowledge
+        width = self._acquisition.fine_width
+        return edge_image(frame.image, knowledge.camera, knowledge.detector, width)
+
+    def _points(self, frame: ImageFrame) -> PointFrame:
+        """Reduce an image to its most distinct corners."""
+        corners = find_corners(frame.image, self._knowledge.detector)
+        points = corners.points_px[:POINTS_AS_PRINTED]
+        return PointFrame(frame.index, frame.time_s, points, frame.chaser)
+
+    # What to say.
+
+    def _said(
+        self, frame: ImageFrame, image: EdgeImage, fit: EdgeFit, check: PoseCheck
+    ) -> Estimate:
+        covariance = fit_covariance(fit, image.camera, check.outside)
+        if covariance is None:
+            return self._none(frame, "the edges found do not determine a pose", image)
+        self._share = check.supported
+        scale = self._knowledge.camera.width / image.camera.width
+        return PoseEstimate(
+            frame=frame.index,
+            time_s=frame.time_s,
+            cam_from_target=fit.cam_from_target,
+            covariance=covariance,
+            detections=self._named(image, fit.cam_from_target),
+            residual_rms_px=scale * fit.rms_px,
+        )
+
+    def _none(self, frame: ImageFrame, reason: str, image: EdgeImage | None = None) -> NoPose:
+        self._share = 0.0
+        detections = self._named(image or self._edge_image(frame), None)
+        return NoPose(frame.index, frame.time_s, reason, detections)
+
+    def _named(self, image: EdgeImage, pose: RigidTransform | None) -> Detections:
+        """Name the image's corners after the visible landmarks that they lie on, one to one."""
+        knowledge = self._knowledge
+        corners = corners_of(image.target, knowledge.detector)
+        marker = np.full(len(corners), -1, dtype=np.int64)
+        if pose is not None and len(corners):
+            shown = np.flatnonzero(visible_landmarks(knowledge.target, pose))
+            places = image.camera.project(pose @ knowledge.target.points_in_target[shown])
+            gap = np.linalg.norm(corners.points_px[:, None] - places[None], axis=2)
+            limit = NAMED_WITHIN_PX * max(image.camera.width / 1024.0, 0.5)
+            gap = np.where(gap < limit, gap, 1e3)
+            row, column = linear_sum_assignment(gap)
+            near = gap[row, column] < limit
+            marker[row[near]] = shown[column[near]]
+        points, sigma = self._in_full(corners, image)
+        return Detections(
+            points_px=points,
+            sigma_px=sigma,
+            marker=tuple(marker.tolist()),
+            used=tuple((marker >= 0).tolist()),
+        )
+
+    def _in_full(self, corners: Corners, image: EdgeImage) -> tuple[Floats, Floats]:
+        """Return corners and their sigmas in the pixels of the frame."""
+        scale = self._knowledge.camera.width / image.camera.width
+        return (corners.points_px + 0.5) * scale - 0.5, corners.sigma_px * scale

@@ -1,0 +1,1 @@
+"""Whole cases rendered, resumed, and exposed again."""

@@ -1,0 +1,229 @@
+"""Write a dataset: the public half, and the truth behind the wall, each file whole or not there."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from models.arrays import AnyArray, Image
+from models.atomic_file import sweep_scratch, write_bytes, write_text
+from models.dataset.dataset import (
+    DatasetInfo,
+    FrameEntry,
+    encode_image,
+    exposure_name,
+    frames_to_csv,
+    image_path,
+    info_to_json,
+    read_frame_entries,
+    read_info,
+)
+from models.errors import DatasetError
+from renders.store.radiance_store import KEY, RadianceStore
+from renders.store.sealed_exr import read_exr, write_exr
+from renders.truth.exposure_truth import ExposureTruth
+from renders.truth.image_truth import ImageTruth
+
+if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
+    from renders.truth.pixel_truth import PixelTruth
+
+PNG_END = b"IEND\xaeB`\x82"
+RECORD_END = b"}\n"
+
+
+def is_whole_png(path: Path) -> bool:
+    """Tell whether a PNG is there to its last byte."""
+    return _ends_with(path, PNG_END)
+
+
+def _ends_with(path: Path, end: bytes) -> bool:
+    try:
+        with path.open("rb") as file:
+            file.seek(-len(end), os.SEEK_END)
+            return file.read() == end
+    except OSError:
+        return False
+
+
+def check_folder(folder: Path, info: DatasetInfo) -> None:
+    """Refuse a folder that cannot take a dataset: a file, or a folder with another dataset.
+
+    Raises
+    ------
+    DatasetError
+        Nothing was changed.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise DatasetError(f"expected a folder at {folder}, found a file; choose another --out")
+    if not (folder / "dataset.json").exists():
+        return
+    there = read_info(folder, info.format)
+    if there.provenance.get("scenario") != info.provenance.get("scenario"):
+        raise DatasetError(
+            f"expected {folder} to be empty or to hold this very scenario ({_told(info)}); "
+            f"it holds another ({_told(there)}{_in_what(there, info)}); "
+            "nothing was changed: choose another --out, or delete it"
+        )
+
+
+def recorded_entries(folder: Path) -> list[FrameEntry]:
+    """Return the rows of ``frames.csv`` in a folder; none if it is absent or damaged."""
+    try:
+        return read_frame_entries(folder)
+    except DatasetError:
+        return []
+
+
+@dataclass(frozen=True, eq=False)
+class DatasetWriter:
+    """One dataset folder being filled; ``begin`` it first.
+
+    Attributes
+    ----------
+    folder : Path
+    info : DatasetInfo
+    known : mapping of str to str
+        Texts of the files that are on board before the first frame, by name; see
+        ``renders.batches.public_half``.
+    entries : list of FrameEntry
+        Those known; the list may grow, see ``renders.detector.exposure_control``.
+    labels : tuple of str
+        Names of the part labels.
+    scenario_toml : str
+        The resolved scenario; it goes behind the wall, since it holds the motion.
+    bands : tuple of int
+        The exposures of a frame, in order of time.
+    """
+
+    folder: Path
+    info: DatasetInfo
+    known: Mapping[str, str]
+    entries: list[FrameEntry]
+    labels: tuple[str, ...]
+    scenario_toml: str
+    bands: tuple[int, ...] = (800, 850)
+
+    def begin(self) -> None:
+        """Write everything but the exposures, and sweep away what killed runs left half written.
+
+        Raises
+        ------
+        DatasetError
+            If the folder holds a dataset of another scenario, Sun or version.
+        StorageError
+            If it cannot be written.
+        """
+        check_folder(self.folder, self.info)
+        sweep_scratch(self.folder)
+        texts = {
+            "dataset.json": info_to_json(self.info),
+            **self.known,
+            "truth/parts.json": json.dumps(self.labels) + "\n",
+            "truth/scenario.toml": self.scenario_toml,
+        }
+        for name, text in texts.items():
+            write_text(self.folder / name, text)
+        self.write_frames()
+
+    def write_frames(self) -> None:
+        """Write the rows of ``frames.csv`` that are known."""
+        write_text(self.folder / "frames.csv", frames_to_csv(self.entries))
+
+    def truth_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's truth lies until the dataset is complete."""
+        return self.folder / "truth" / "exposures" / f"{exposure_name(frame, band)}.json"
+
+    def labels_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's part labels lie."""
+        return self.folder / "truth" / "labels" / f"{exposure_name(frame, band)}.png"
+
+    def geometry_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's depth and normals lie."""
+        return self.folder / "truth" / "geometry" / f"{exposure_name(frame, band)}.exr"
+
+    def windows_path(self, frame: int, band: int) -> Path:
+        """Return where one exposure's marker windows lie, if they are kept."""
+        return self.folder / "truth" / "marker_windows" / f"{exposure_name(frame, band)}.exr"
+
+    def has_exposure(self, frame: int, band: int, windows: bool = False) -> bool:
+        """Tell whether everything of an exposure is there; its image is written last.
+
+        Parameters
+        ----------
+        frame, band : int
+        windows : bool
+            Its marker windows, too.
+        """
+        return (not windows or self.windows_path(frame, band).is_file()) and (
+            is_whole_png(image_path(self.folder, frame, band))
+            and is_whole_png(self.labels_path(frame, band))
+            and _ends_with(self.truth_path(frame, band), RECORD_END)
+            and self.geometry_path(frame, band).is_file()
+        )
+
+    def write_exposure(self, image: Image, truth: ExposureTruth | ImageTruth) -> None:
+        """Write an exposure's truth and then its image; the pixel truth must be there already."""
+        text = json.dumps(truth.to_json()) + "\n"
+        write_text(self.truth_path(truth.frame, truth.band), text)
+        write_bytes(image_path(self.folder, truth.frame, truth.band), encode_image(image))
+
+    def write_pixel_truth(self, frame: int, band: int, truth: PixelTruth, key: str) -> None:
+        """Write labels, depth (float) and normals (half) of an exposure, as the store has them."""
+        normals = truth.normals_in_target.astype(np.float16)
+        channels: dict[str, AnyArray] = {
+            "Z": truth.depth_m,
+            "NX": np.ascontiguousarray(normals[..., 0]),
+            "NY": np.ascontiguousarray(normals[..., 1]),
+            "NZ": np.ascontiguousarray(normals[..., 2]),
+            "label": truth.labels.astype(np.float16),
+        }
+        write_exr(self.geometry_path(frame, band), channels, {KEY: key})
+        self._write_labels(frame, band, channels["label"])
+
+    def take_pixel_truth(self, frame: int, band: int, store: RadianceStore, key: str) -> bool:
+        """Take labels, depth and normals of an exposure from a store.
+
+        Returns
+        -------
+        bool
+            False if the store has them not, or not whole; nothing is kept then.
+        """
+        place = self.geometry_path(frame, band)
+        if not store.lend(key, place):
+            return False
+        channels = read_exr(place, {KEY: key})
+        if channels is None:
+            place.unlink()
+            return False
+        self._write_labels(frame, band, channels["label"])
+        return True
+
+    def _write_labels(self, frame: int, band: int, labels: AnyArray) -> None:
+        ok, data = cv2.imencode(".png", np.rint(labels).astype(np.uint8))
+        if not ok:
+            raise DatasetError("expected OpenCV to encode the labels, it refused")
+        write_bytes(self.labels_path(frame, band), bytes(data.tobytes()))
+
+    def finish(self) -> None:
+        """Join the exposures' truth into one file, in order of time."""
+        lines = [
+            self.truth_path(entry.index, band).read_text()
+            for entry in self.entries
+            for band in self.bands
+        ]
+        write_text(self.folder / "truth" / "exposures.jsonl", "".join(lines))
+
+
+def _told(info: DatasetInfo) -> str:
+    return f"{info.case}, Sun {info.sun}, frames: {info.frames}"
+
+
+def _in_what(there: DatasetInfo, info: DatasetInfo) -> str:
+    return ", with other settings" if _told(there) == _told(info) else ""

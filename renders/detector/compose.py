@@ -1,0 +1,90 @@
+"""One frame from its light groups: the world's lens, chip and particles, for one exposure.
+
+The chain itself is ``renders.detector.expose``. No Mitsuba is needed, so a frame can be composed
+again, with another exposure time, detector or seed, as often as a study wants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from models.arrays import Image, Radiance
+from models.spacecraft.line_of_sight import is_hidden
+from renders.detector.expose import (
+    SUNLIGHT_NM,
+    electron_rate,
+    electrons_per_radiance,
+    expose_electrons,
+    exposure_rng,
+    mean_electrons,
+)
+from renders.detector.radiation_hits import radiation_hits
+from renders.detector.stars import star_electrons
+from renders.detector.veiling_glare import sun_glare
+from renders.tracing.light_groups import LightGroup, SunGroup
+from renders.world.world import Exposure, World
+
+
+def compose(
+    world: World,
+    groups: Mapping[LightGroup, Radiance],
+    exposure: Exposure,
+    exposure_ms: float,
+    run: int,
+    depth_m: Radiance | None = None,
+) -> Image:
+    """Expose one frame from its light groups.
+
+    Parameters
+    ----------
+    world : World
+    groups : mapping of LightGroup to (height, width) arrays, W m-2 sr-1
+        What lights it.
+    exposure : Exposure
+    exposure_ms : float, ms
+    run : int
+        Keys its random numbers, with the exposure's frame and band.
+    depth_m : (height, width) array, m, optional
+        Of each pixel, 0 in space; a lens with a focus and the stars need it.
+
+    Returns
+    -------
+    (height, width) uint16 array, DN.
+    """
+    optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
+    rate = electron_rate(groups, optics, detector)
+    for glare in _glares(world, groups, exposure):
+        rate += glare * np.float32(electrons_per_radiance(optics, detector, SUNLIGHT_NM))
+    mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m)
+    if world.scenario.stars.shine:
+        mean_e += star_electrons(world, exposure.time_s, exposure_ms, depth_m)
+    key = (run, exposure.frame, exposure.band)
+    radiation = world.scenario.simulated_radiation
+    particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)
+    return expose_electrons(mean_e, detector, exposure_rng(*key), particles_e)
+
+
+def _glares(
+    world: World, groups: Mapping[LightGroup, Radiance], exposure: Exposure
+) -> Iterator[Radiance]:
+    """Yield what each Sun that the target does not hide is worth as glare, W m-2 sr-1."""
+    scatter = world.scenario.simulated_scatter
+    if scatter.peak_1_sr <= 0.0:
+        return
+    cam_from_target = world.trajectory.cam_from_target(exposure.time_s)
+    lens = cam_from_target.inverse().translation
+    for group in groups:
+        if not isinstance(group, SunGroup):
+            continue
+        towards = np.array(group.direction_in_target)
+        glare = sun_glare(
+            world.camera,
+            cam_from_target.rotation @ towards,
+            group.irradiance_w_m2,
+            scatter,
+            is_hidden(world.target, lens, towards),
+        )
+        if glare is not None:
+            yield glare

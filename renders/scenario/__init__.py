@@ -1,0 +1,1 @@
+"""Scenarios: TOML in, validated tables out."""

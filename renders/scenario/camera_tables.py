@@ -1,0 +1,140 @@
+"""The scenario's tables of the camera: which one flies, its lens, its chip, its exposures."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from models.errors import ScenarioError
+from renders.scenario.table import Table
+
+
+class CameraTable(Table):
+    """Which camera flies, as simulated."""
+
+    preset: str = Field("chaser_fixed", description="chaser_fixed or eye_in_hand")
+    width: int = Field(2048, ge=64, le=8192, description="columns; the field of view stays")
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+
+
+class OpticsTable(Table):
+    """The lens; see ``models.sensors.camera_chip.Optics``."""
+
+    f_number: float = Field(16.0, gt=0)
+    transmission: float = Field(0.8, gt=0, le=1)
+    psf_sigma_px: float = Field(0.5, ge=0, description="on the native 13.5 um pixel")
+    vignetting: bool = True
+    focus_m: float = Field(0.0, ge=0, description="depth that is sharp; 0: sharp at any depth")
+    veiling_glare: float = Field(0.0, ge=0, le=0.5, description="share of the scene's light")
+    veiling_glare_px: float = Field(400.0, ge=20, description="how wide, on the native pixel")
+
+
+class DetectorTable(Table):
+    """The chip; see ``models.sensors.camera_chip.Detector``."""
+
+    pixel_pitch_um: float = Field(13.5, gt=0, description="at 2048 columns")
+    quantum_efficiency: float = Field(0.5, gt=0, le=1)
+    prnu: float = Field(0.005, ge=0)
+    dark_current_e_s: float = Field(20.0, ge=0)
+    full_well_e: float = Field(100_000.0, gt=0)
+    blooming: float = Field(0.0, ge=0, le=1)
+    read_noise_e: float = Field(12.0, ge=0)
+    gain_e_dn: float = Field(26.0, gt=0)
+    bias_dn: float = Field(100.0, ge=0)
+    bits: int = Field(12, ge=8, le=16)
+
+
+class LensScatterTable(Table):
+    """Sunlight scattered in the lens; see ``models.sensors.lens_scatter``."""
+
+    peak_1_sr: float = Field(0.0, ge=0, description="towards the Sun; some 10 for a clean lens")
+    shoulder_deg: float = Field(0.6, gt=0.01, le=30)
+    slope: float = Field(2.0, gt=0, le=4)
+    hood_deg: float = Field(90.0, gt=0, le=90, description="off axis; the hood shades a Sun beyond")
+    hood_leak: float = Field(0.0, ge=0, le=1)
+
+
+class RadiationTable(Table):
+    """Energetic particles; see ``renders.detector.radiation_hits``."""
+
+    flux_cm2_s: float = Field(
+        0.0, ge=0, description="through the chip; GEO: 5 at solar minimum, 2 at maximum"
+    )
+    depth_um: float = Field(40.0, gt=0, description="of the silicon that collects charge")
+    charge_e_um: float = Field(106.0, gt=0, description="left along a particle's way")
+
+
+class ExposureTable(Table):
+    """Exposure time; see ``renders.detector.exposure_control``.
+
+    ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
+    given, each other metered from the image before it, of a pair from the 850 nm one. ``fixed``: as
+    given. With ``[tumble]`` what is given is meant for the chip's own pixels; see
+    ``renders.world.tumble_world``.
+    """
+
+    mode: Literal["schedule", "auto", "fixed"] = "schedule"
+    marker_fill: float = Field(0.6, gt=0, le=1, description="schedule: share of full well, on axis")
+    exposure_ms: float = Field(1.0, gt=0, description="fixed: each frame's; auto: the first's")
+    percentile: float = Field(99.9, ge=1, le=100, description="auto: of the levels, is metered")
+    percentile_fill: float = Field(0.6, gt=0, le=0.95, description="auto: share of the range")
+    max_step: float = Field(2.0, gt=1, description="auto: largest factor between frames")
+    min_ms: float = Field(0.01, gt=0, description="auto: shortest")
+    max_ms: float = Field(20.0, gt=0, description="auto: longest")
+
+
+NEAREST_FOCUS_M = 0.1  # lenses of this kind focus no nearer; a thin lens never within its f
+
+
+def check_focus(table: OpticsTable, where: str) -> None:
+    """Refuse a focus that no lens has.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the key.
+    """
+    if 0.0 < table.focus_m < NEAREST_FOCUS_M:
+        raise ScenarioError(
+            f"{where}: expected optics.focus_m of at least {NEAREST_FOCUS_M:g} m, or 0 for a lens "
+            f"that is sharp at any depth, got {table.focus_m:g} m"
+        )
+
+
+def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) -> None:
+    """Refuse a shortest exposure above the longest, and exposures that last into the next.
+
+    Parameters
+    ----------
+    table : ExposureTable
+    gap : str
+        What the time from one exposure to the next is called.
+    gap_ms : float, ms
+    where : str
+
+    Raises
+    ------
+    ScenarioError
+        The message names the key.
+    """
+    if table.mode == "schedule":
+        return
+    longest, key = table.exposure_ms, "exposure_ms"
+    if table.mode == "auto":
+        if not table.min_ms <= table.exposure_ms <= table.max_ms:
+            raise ScenarioError(
+                f"{where}: expected exposure.exposure_ms, the first frame's, between "
+                f"exposure.min_ms and exposure.max_ms, got {table.exposure_ms:g} with "
+                f"{table.min_ms:g} to {table.max_ms:g} ms"
+            )
+        longest, key = table.max_ms, "max_ms"
+    if longest >= gap_ms:
+        raise ScenarioError(
+            f"{where}: expected exposure.{key} below {gap}, {gap_ms:g} ms, "
+            f"when the next exposure begins, got {longest:g} ms"
+        )

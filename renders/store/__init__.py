@@ -1,0 +1,1 @@
+"""Rendered light, kept and shared."""

@@ -1,0 +1,234 @@
+"""A spacecraft, its markers and the chaser as Mitsuba geometry, in the target frame.
+
+The target never moves, so its acceleration structure is built once; the chaser, which casts the
+shadow, is put in its place for each exposure. Lights are not part of the geometry: the JIT
+integrator samples light groups itself, and the scalar one adds emitters of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from models.arrays import Floats
+from models.frame import MarkerPattern
+from models.materials import MATERIALS
+from models.pose import RigidTransform
+from models.spacecraft.part import Part, Spacecraft
+from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from renders.tracing.surfaces import Surface, bsdf_dict, surface_of, surface_of_disc
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from renders.tracing.surface_table import SurfaceTable
+
+MARKER_LABEL = "retroreflectors"
+CHASER_LABEL = "chaser"
+DISC_CORNERS = 256  # of the polygon that stands for a retroreflector's circle
+
+
+@dataclass(eq=False)
+class SceneGeometry:
+    """Shapes ready to be loaded, and what each of them is.
+
+    Attributes
+    ----------
+    shapes : dict
+        Mitsuba shapes by key; pass them to ``mi.load_dict`` with ``optimize=False``.
+    labels : tuple of str
+        Name of label k + 1; 0 is empty space.
+    label_of_shape : dict
+        Label by shape key.
+    surface_of_shape : dict
+        What each shape returns, by its key.
+    chaser_in_cam : dict
+        Vertices of each chaser mesh in the camera's axes, m, by shape key.
+    discs : MarkerPattern or None
+        The retroreflectors among the shapes.
+    optics : RetroreflectorOptics
+        What they return. As Mitsuba's BSDFs their shapes carry the front face alone; in scalar
+        variants ``renders.tracing.marker_lobes`` adds the rest.
+    """
+
+    shapes: dict[str, Any]
+    labels: tuple[str, ...]
+    label_of_shape: dict[str, int]
+    surface_of_shape: dict[str, Surface]
+    chaser_in_cam: dict[str, Floats] = field(default_factory=dict)
+    discs: MarkerPattern | None = None
+    optics: RetroreflectorOptics = RetroreflectorOptics()  # noqa: RUF009 - frozen
+
+    @property
+    def disc_keys(self) -> list[str]:
+        """Keys of the retroreflectors' shapes."""
+        return [] if self.discs is None else [f"marker_{name}" for name in self.discs.names]
+
+    def scene(self, **emitters: Any) -> Any:
+        """Load a scene of these shapes, with emitters if any."""
+        return mi.load_dict({"type": "scene", **self.shapes, **emitters}, optimize=False)
+
+    @cached_property
+    def surfaces(self) -> SurfaceTable:
+        """What every shape returns, as the one-pass kernel reads it (JIT variants)."""
+        from renders.tracing.surface_table import SurfaceTable
+
+        distinct = list(dict.fromkeys(self.surface_of_shape.values()))
+        return SurfaceTable(
+            distinct,
+            {
+                jit_number(shape): distinct.index(self.surface_of_shape[key])
+                for key, shape in self.shapes.items()
+            },
+        )
+
+    def shape_labels(self, scene: Any) -> dict[int, int]:
+        """Return the label by the number that the ``shape_index`` AOV gives a shape."""
+        numbers = {}
+        for order, shape in enumerate(scene.shapes(), start=1):
+            number = order
+            if dr.is_jit_v(mi.Float):
+                number = jit_number(shape)
+            numbers[number] = self.label_of_shape[shape.id()]
+        return numbers
+
+
+def jit_number(shape: Any) -> int:
+    """Return the number by which a JIT variant's kernels know a shape."""
+    return int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
+
+
+def mitsuba_mesh(key: str, mesh: trimesh.Trimesh, bsdf: Any, smooth: bool) -> Any:
+    """Turn a trimesh mesh into a Mitsuba mesh, in any variant."""
+    props = mi.Properties()
+    props["mesh_bsdf"] = bsdf
+    if not smooth:
+        props["face_normals"] = True
+    shape = mi.Mesh(key, len(mesh.vertices), len(mesh.faces), props, smooth, False)
+    params = mi.traverse(shape)
+    params["vertex_positions"] = np.ravel(mesh.vertices).astype(np.float32)
+    params["faces"] = np.ravel(mesh.faces).astype(np.uint32)
+    if smooth:
+        params["vertex_normals"] = np.ravel(mesh.vertex_normals).astype(np.float32)
+    params.update()
+    return shape
+
+
+def marker_transform(point: Floats, normal: Floats, radius_m: float) -> Floats:
+    """Return the (4, 4) matrix that makes a unit disc in the plane z = 0 a marker's face."""
+    z = normal / np.linalg.norm(normal)
+    helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    y = np.cross(z, helper)
+    y /= np.linalg.norm(y)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.stack([np.cross(y, z), y, z], axis=1) * radius_m
+    matrix[:3, 3] = point
+    return matrix
+
+
+def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh:
+    """Return a marker's face as a polygon of its area, with its normal.
+
+    Mitsuba's own disk would do, but one shape that is no mesh makes Embree walk a second tree for
+    every ray: 40 % of the time of a scene under many Suns. The polygon's rim is within 6e-5 of the
+    circle's radius.
+    """
+    import trimesh
+
+    angles = 2.0 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS
+    corner = 1.0 / np.sqrt(np.sinc(2.0 / DISC_CORNERS))
+    rim = corner * np.stack([np.cos(angles), np.sin(angles), np.zeros(DISC_CORNERS)], axis=1)
+    number = np.arange(1, DISC_CORNERS + 1)
+    fan = np.stack([np.zeros_like(number), number, number % DISC_CORNERS + 1], axis=1)
+    mesh = trimesh.Trimesh(np.vstack([np.zeros(3), rim]), fan, process=False)
+    mesh.apply_transform(marker_transform(point, normal, radius_m))
+    return mesh
+
+
+def _merged(parts: tuple[Part, ...]) -> dict[tuple[str, str, bool], trimesh.Trimesh]:
+    """Join the meshes of parts that share name, material and shading."""
+    import trimesh
+
+    groups: dict[tuple[str, str, bool], list[trimesh.Trimesh]] = {}
+    for part in parts:
+        groups.setdefault((part.name, part.material, part.smooth), []).append(part.mesh)
+    return {
+        key: meshes[0] if len(meshes) == 1 else trimesh.util.concatenate(meshes)
+        for key, meshes in groups.items()
+    }
+
+
+def build_geometry(
+    target: Spacecraft,
+    chaser: Spacecraft | None,
+    optics: RetroreflectorOptics,
+    installed: MarkerPattern | None = None,
+) -> SceneGeometry:
+    """Turn spacecraft into Mitsuba shapes.
+
+    Parameters
+    ----------
+    target : Spacecraft
+        In the target frame.
+    chaser : Spacecraft or None
+        In the camera's frame; it only casts shadows and scatters light.
+    optics : RetroreflectorOptics
+    installed : MarkerPattern, optional
+        Where the markers really are; the target's own pattern by default.
+    """
+    labels = (*target.part_names, MARKER_LABEL, CHASER_LABEL)
+    surface_of_material = {
+        part.material: surface_of(MATERIALS[part.material])
+        for craft in (target, chaser)
+        if craft
+        for part in craft.parts
+    }
+    bsdfs = {name: mi.load_dict(bsdf_dict(s)) for name, s in sorted(surface_of_material.items())}
+    shapes: dict[str, Any] = {}
+    label_of_shape: dict[str, int] = {}
+    surface_of_shape: dict[str, Surface] = {}
+    chaser_in_cam: dict[str, Floats] = {}
+    for number, ((name, material, smooth), mesh) in enumerate(_merged(target.parts).items()):
+        key = f"target_{number:03d}"
+        shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
+        label_of_shape[key] = labels.index(name) + 1
+        surface_of_shape[key] = surface_of_material[material]
+    markers = installed if installed is not None else target.markers
+    if markers is not None:
+        disc = surface_of_disc(optics)
+        face = mi.load_dict(bsdf_dict(disc))
+        for name, point, normal in zip(
+            markers.names, markers.points_in_target, markers.normals_in_target, strict=True
+        ):
+            key = f"marker_{name}"
+            mesh = disc_mesh(point, normal, markers.radius_m)
+            shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
+            label_of_shape[key] = labels.index(MARKER_LABEL) + 1
+            surface_of_shape[key] = disc
+    if chaser is not None:
+        for number, ((_, material, smooth), mesh) in enumerate(_merged(chaser.parts).items()):
+            key = f"chaser_{number:03d}"
+            shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
+            label_of_shape[key] = labels.index(CHASER_LABEL) + 1
+            surface_of_shape[key] = surface_of_material[material]
+            chaser_in_cam[key] = np.asarray(mesh.vertices, dtype=np.float64)
+    return SceneGeometry(
+        shapes, labels, label_of_shape, surface_of_shape, chaser_in_cam, markers, optics
+    )
+
+
+def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:
+    """Move the chaser so that its camera stands where ``cam_from_target`` says."""
+    if not geometry.chaser_in_cam:
+        return
+    target_from_cam = cam_from_target.inverse()
+    params = mi.traverse(scene)
+    for key, vertices in geometry.chaser_in_cam.items():
+        moved = target_from_cam @ vertices
+        params[f"{key}.vertex_positions"] = np.ravel(moved).astype(np.float32)
+    params.update()

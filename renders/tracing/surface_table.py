@@ -1,0 +1,246 @@
+"""Surfaces as the one-pass kernel reads them: a table of numbers, and their lobes in closed form.
+
+One table and one formula serve every material, so that a kernel calls no function per material and
+light; docs/decisions.md tells what that saves. The same lobes are Mitsuba's ``diffuse``,
+``roughconductor`` and ``blendbsdf``, against which they are tested.
+
+Sources: GGX and its Smith shadowing, Walter et al. 2007, equations 33 and 34; visible normals,
+Heitz 2018, as Mitsuba draws them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from renders.tracing.retroreflector import active_aperture
+from renders.tracing.surfaces import Surface
+
+RETURN_SHARE = 0.5  # of the directions drawn at a retroreflector that go back to where light came
+
+
+class SurfaceTable:
+    """Surfaces by number, on the device.
+
+    Parameters
+    ----------
+    surfaces : sequence of Surface
+    number_of_shape : mapping
+        Which of them a shape has, by the number that Dr.Jit gives the shape.
+    """
+
+    def __init__(self, surfaces: Sequence[Surface], number_of_shape: Mapping[int, int]) -> None:
+        numbers = np.zeros(max(number_of_shape, default=0) + 1, dtype=np.uint32)
+        for shape, number in number_of_shape.items():
+            numbers[shape] = number
+        self.numbers = mi.UInt32(numbers)
+        self.matt = [_column(s.matt[band] / np.pi for s in surfaces) for band in range(3)]
+        self.mirror = [_column(s.mirror[band] for s in surfaces) for band in range(3)]
+        self.roughness = _column(s.roughness for s in surfaces)
+        self.mirror_share = _column(s.mirror_share for s in surfaces)
+        self.indices = None
+        if any(s.indices for s in surfaces):  # 0: a metal's, which Fresnel's law leaves alone
+            self.indices = [
+                _column(s.indices[band] if s.indices else 0.0 for s in surfaces)
+                for band in range(3)
+            ]
+        self.two_sided = None
+        if not all(s.two_sided for s in surfaces):
+            self.two_sided = _column(float(s.two_sided) for s in surfaces)
+        optics = [s.retroreflector for s in surfaces]
+        self.returned = None
+        if any(optics):
+            returned = [[o.returned.bands[band] if o else 0.0 for o in optics] for band in range(3)]
+            self.returned = [_column(each) if any(each) else None for each in returned]
+            angles = [np.deg2rad(o.half_angle_deg) if o else 0.0 for o in optics]
+            self.cone_cosine = _column(float(np.cos(angle)) for angle in angles)
+            self.cone_sine = _column(float(np.sin(angle)) for angle in angles)
+            self.glass_index = _column(o.refractive_index if o else 1.0 for o in optics)
+            self.return_share = _column(
+                RETURN_SHARE if o and max(o.returned.bands) > 0.0 else 0.0 for o in optics
+            )
+        dr.make_opaque(list(vars(self).values()))
+
+    def seen(self, si: Any, ray: Any, bands: Sequence[int], active: Any) -> SurfaceSeen:
+        """Return what surfaces are where rays met them."""
+        number = dr.gather(
+            mi.UInt32, self.numbers, dr.reinterpret_array(mi.UInt32, si.shape), active
+        )
+        return SurfaceSeen(self, number, si.n, si.sh_frame.n, -ray.d, bands, active)
+
+
+class SurfaceSeen:
+    """Surfaces at some vertices, each seen from one direction.
+
+    Both normals are turned towards the viewer. Where the smooth one still faces away the flat one
+    shades: seen from there a smooth surface would show its back and be dark (Cycles found the
+    adaptor ring's inner wall 6 % too dark).
+
+    Parameters
+    ----------
+    table : SurfaceTable
+    number : UInt32
+        Which surface each is.
+    normal, shading_normal, towards_viewer : Vector3f
+        Unit vectors, target frame.
+    bands : sequence of int
+        Those of the three bands that are asked for.
+    active : Bool
+    """
+
+    def __init__(
+        self,
+        table: SurfaceTable,
+        number: Any,
+        normal: Any,
+        shading_normal: Any,
+        towards_viewer: Any,
+        bands: Sequence[int],
+        active: Any,
+    ) -> None:
+        def of(column: Any) -> Any:
+            return dr.gather(mi.Float, column, number, active)
+
+        side = dr.dot(normal, towards_viewer)
+        flat = mi.Vector3f(dr.mulsign(normal, side))
+        smooth = mi.Vector3f(dr.mulsign(shading_normal, dr.dot(shading_normal, flat)))
+        self.normal = flat
+        self.shading_normal = dr.select(dr.dot(smooth, towards_viewer) > 0.0, smooth, flat)
+        self.towards_viewer = towards_viewer
+        self.bands = bands
+        self.reflects = active
+        if table.two_sided is not None:
+            self.reflects = active & ((side > 0.0) | (of(table.two_sided) > 0.0))
+        self.matt = {band: of(table.matt[band]) for band in bands}
+        self.mirror = {band: of(table.mirror[band]) for band in bands}
+        self.indices = None
+        if table.indices is not None:
+            self.indices = {band: of(table.indices[band]) for band in bands}
+        self.roughness = of(table.roughness)
+        self.mirror_share = of(table.mirror_share)
+        self.width = self.roughness * self.roughness
+        self.cosine = dr.dot(self.shading_normal, towards_viewer)
+        self.seen_facets = 0.5 * self.width / (dr.pi * (self.cosine + self._slant(self.cosine)))
+        self.returned = None
+        if table.returned is not None:
+            columns = {band: table.returned[band] for band in bands}
+            self.returned = {
+                band: of(column) for band, column in columns.items() if column is not None
+            }
+            self.cone_cosine, self.cone_sine = of(table.cone_cosine), of(table.cone_sine)
+            self.glass_index = of(table.glass_index)
+            self.return_share = of(table.return_share)
+
+    def _slant(self, cosine: Any) -> Any:
+        """Return ``c (1 + 2 Lambda)`` of Smith's shadowing, whose G1 is ``2 c / (c + that)``."""
+        squared = cosine * cosine
+        return dr.sqrt(squared + self.width * (1.0 - squared))
+
+    def _spread(self, cosine: Any, half_squared: Any) -> Any:
+        """Return what GGX's density is the inverse square of, but for its width.
+
+        The cosine ``n.h`` of the half vector is ``(n.v + n.l) / |v + l|``.
+        """
+        both = self.cosine + cosine
+        return 1.0 + both * both / half_squared * (self.width - 1.0)
+
+    def _half_squared(self, towards: Any) -> Any:
+        """Return ``|v + l|^2``, not as ``2 + 2 v.l``: where light grazes, that has few digits."""
+        return dr.squared_norm(self.towards_viewer + towards)
+
+    def value(self, band: int, towards: Any) -> Any:
+        """Return ``f cos`` towards the viewer of light from a direction, 1/sr.
+
+        Parameters
+        ----------
+        band : int
+        towards : Vector3f
+            Unit vector towards where light comes from; what it gives below the surface is for the
+            caller to discard.
+        """
+        cosine = dr.dot(self.shading_normal, towards)
+        half_squared = self._half_squared(towards)
+        spread = self._spread(cosine, half_squared)
+        mirrored = 2.0 * self.mirror[band] * self.seen_facets * cosine
+        mirrored /= spread * spread * (cosine + self._slant(cosine))
+        if self.indices is not None:
+            index = self.indices[band]
+            incidence_cosine = 0.5 * dr.sqrt(half_squared)
+            share = mi.fresnel(incidence_cosine, dr.maximum(index, 1.0))[0]
+            mirrored *= dr.select(index > 0.0, share, 1.0)
+        total = self.matt[band] * cosine + mirrored
+        if self.returned and band in self.returned:  # a cube sends no sunlight back to the camera
+            half_cosine = (self.cosine + cosine) * dr.rsqrt(half_squared)
+            lobe = self.returned[band] * active_aperture(half_cosine, self.glass_index) * cosine
+            within = dr.dot(self.towards_viewer, towards) >= self.cone_cosine
+            within &= self.returned[band] > 0.0
+            total += dr.select(within, lobe / (dr.pi * self.cone_sine * self.cone_sine), 0.0)
+        return total
+
+    def faces(self, towards: Any) -> Any:
+        """Tell whether a direction is above the surface, as it is and as it is shaded."""
+        above = dr.dot(self.normal, towards) > 0.0
+        return self.reflects & above & (dr.dot(self.shading_normal, towards) > 0.0)
+
+    def density(self, towards: Any) -> Any:
+        """Return the density with which ``sample`` draws a direction, 1/sr."""
+        cosine = dr.dot(self.shading_normal, towards)
+        spread = self._spread(cosine, self._half_squared(towards))
+        facets = self.seen_facets / (spread * spread)
+        face = self.mirror_share * facets + (1.0 - self.mirror_share) * cosine / dr.pi
+        if self.returned is None:
+            return face
+        within = dr.dot(self.towards_viewer, towards) >= self.cone_cosine
+        cone = dr.select(within, 0.5 / (dr.pi * (1.0 - self.cone_cosine)), 0.0)
+        share = self.return_share
+        return dr.select(share > 0.0, share * cone + (1.0 - share) * face, face)
+
+    def sample(self, square: Any) -> tuple[Any, Any, dict[int, Any]]:
+        """Draw the direction that a path goes on to.
+
+        Parameters
+        ----------
+        square : Point2f
+            A point of the unit square. Its first coordinate chooses the lobe and is stretched
+            again, so that points spread evenly stay so within each lobe.
+
+        Returns
+        -------
+        direction : Vector3f
+        density : Float, 1/sr
+        weights : dict of Float, by band
+            ``f cos / density``; 0 below the surface.
+        """
+        frame = mi.Frame3f(self.shading_normal)
+        viewer = frame.to_local(self.towards_viewer)
+        first, back = square.x, None
+        if self.returned is not None:
+            back = first < self.return_share
+            rest = (first - self.return_share) / (1.0 - self.return_share)
+            first = dr.select(back, first / self.return_share, rest)
+        share = self.mirror_share
+        from_mirror = first < share
+        stretched = dr.select(from_mirror, first / share, (first - share) / (1.0 - share))
+        point = mi.Point2f(dr.minimum(stretched, dr.one_minus_epsilon(mi.Float)), square.y)
+        facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.roughness)
+        mirrored = mi.reflect(viewer, facets.sample(viewer, point)[0])
+        scattered = mi.warp.square_to_cosine_hemisphere(point)
+        direction = frame.to_world(dr.select(from_mirror, mirrored, scattered))
+        if self.returned is not None:
+            cone = mi.warp.square_to_uniform_cone(mi.Point2f(first, square.y), self.cone_cosine)
+            returned = mi.Frame3f(self.towards_viewer).to_world(cone)
+            direction = dr.select(back, returned, direction)
+        density = self.density(direction)
+        good = self.faces(direction) & (density > 0.0)
+        weights = {
+            band: dr.select(good, self.value(band, direction) / density, 0.0) for band in self.bands
+        }
+        return direction, density, weights
+
+
+def _column(values: Iterable[float]) -> Any:
+    return mi.Float(np.fromiter(values, dtype=np.float32))

@@ -1,0 +1,1 @@
+"""What really was: the sealed half of a dataset."""

@@ -1,0 +1,54 @@
+"""Where the landmarks of a wireframe truly are in an image, and which of them the lens sees."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from models.arrays import Mask
+from models.camera import Camera
+from models.pose import RigidTransform
+from models.wireframe.wireframe import Wireframe
+from renders.truth.image_truth import ImageTruth
+from renders.truth.pixel_truth import unoccluded
+from renders.world.tumble_world import TumbleWorld
+from renders.world.world import Exposure
+
+CLEARANCE_M = 0.03  # towards the lens: what a wireframe leaves out, such as a blanket's thickness
+
+
+def image_truth(
+    scene: Any, world: TumbleWorld, exposure: Exposure, cam_from_target: RigidTransform
+) -> ImageTruth:
+    """Return the sealed record of an image."""
+    towards_earth, _ = world.earth_at(exposure.time_s)
+    towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
+    points = world.wireframe.points_in_target
+    return ImageTruth(
+        frame=exposure.frame,
+        time_s=exposure.time_s,
+        cam_from_target=cam_from_target,
+        state=world.tumble.state(exposure.time_s),
+        chaser=world.tumble.chaser_state(exposure.time_s),
+        sun_dir_in_target=np.array(towards_sun),
+        earth_dir_in_target=towards_earth,
+        landmarks_px=world.camera.project(cam_from_target @ points),
+        landmarks_visible=seen_landmarks(scene, world.wireframe, world.camera, cam_from_target),
+    )
+
+
+def seen_landmarks(
+    scene: Any, wireframe: Wireframe, camera: Camera, cam_from_target: RigidTransform
+) -> Mask:
+    """Tell which landmarks the image holds with nothing of the whole mesh before them, (m,)."""
+    in_cam = cam_from_target @ wireframe.points_in_target
+    ahead = in_cam[:, 2] > CLEARANCE_M
+    seen = ahead & camera.contains(np.nan_to_num(camera.project(in_cam), nan=-1e9))
+    lens = cam_from_target.inverse().translation
+    ways = lens - wireframe.points_in_target[seen]
+    starts = wireframe.points_in_target[seen] + CLEARANCE_M * ways / np.linalg.norm(
+        ways, axis=1, keepdims=True
+    )
+    seen[seen] = unoccluded(scene, starts, np.broadcast_to(lens, starts.shape)) if len(ways) else []
+    return np.asarray(seen)

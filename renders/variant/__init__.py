@@ -1,0 +1,1 @@
+"""Which of Mitsuba's variants renders here."""

@@ -1,0 +1,140 @@
+"""The pipelines run on a dataset, and on more runs of it, and no run is done twice."""
+
+import dataclasses
+import shutil
+from contextlib import nullcontext
+
+import numpy as np
+import pytest
+
+import renders.batches.render_case
+import renders.batches.replay
+from bench import api
+from bench.estimating.repeated_runs import is_done, repeat_runs
+from bench.estimating.runs import estimates_path, found_runs, run_folder, runtimes_path
+from models.dataset.dataset import read_frames, read_knowledge
+from models.dataset.estimates_file import read_estimates, read_runtimes
+from models.errors import DatasetError
+from tests.support.synthetic_dataset import write_dataset
+
+A_MILLIMETRE = 1.0
+VARIANTS = ("paper", "best")
+
+
+def test_every_frame_of_every_variant_is_estimated(scored_dataset):
+    frames = [entry.index for entry in scored_dataset.entries]
+    for variant in VARIANTS:
+        said = read_estimates(estimates_path(scored_dataset.folder, 0, variant))
+        assert [estimate.frame for estimate in said] == frames
+        spent = read_runtimes(runtimes_path(scored_dataset.folder, 0, variant))
+        assert sorted(spent) == frames
+        assert min(spent.values()) > 0.0
+
+
+def test_poses_are_right(scored_dataset):
+    """Discs of 2 to 3 px radius at 3 m: the bound is about 0.2 mm, a millimetre five of it."""
+    score = api.score(scored_dataset.folder)["pipelines"]["best"]
+    assert score["estimated"] == 4
+    assert max(score["position_error_mm"]["rms"]) < A_MILLIMETRE
+    assert score["detection"]["mismatches"] == 0
+    assert score["detection"]["recall"] == 1.0
+
+
+@pytest.fixture
+def replayed(tmp_path, monkeypatch):
+    """Stand in for the radiance store: the dataset's own images, with a little noise of the run."""
+    dataset = write_dataset(tmp_path / "data", frames=2)
+    exposed = []
+
+    def exposed_frames(folder, run):
+        exposed.append(run)
+        rng = np.random.default_rng(run)
+
+        def noisy(frame):
+            noise = rng.normal(0.0, 2.0, frame.image_850.shape)
+            image = np.clip(frame.image_850 + noise, 0, 4095).astype(np.uint16)
+            return dataclasses.replace(frame, image_850=image)
+
+        return read_knowledge(folder), (noisy(frame) for frame in read_frames(folder))
+
+    monkeypatch.setattr(renders.batches.replay, "exposed_frames", exposed_frames)
+    api.estimate(dataset.folder)
+    return dataset, exposed
+
+
+def test_runs_are_done_once(replayed):
+    dataset, exposed = replayed
+    assert repeat_runs(dataset.folder, 3) == [1, 2]
+    assert exposed == [1, 2]
+    assert repeat_runs(dataset.folder, 3) == []
+    assert repeat_runs(dataset.folder, 4) == [3]
+    assert exposed == [1, 2, 3]
+    assert found_runs(dataset.folder, "best") == [0, 1, 2, 3]
+    assert (run_folder(dataset.folder, 1) / "prior.toml").is_file()
+    score = api.score(dataset.folder)
+    assert score["runs"] == 4
+    pooled = score["pipelines"]["best"]["pooled"]
+    assert (pooled["frames"], pooled["centroid_error_px"]["temporal_std"] is None) == (8, False)
+
+
+def test_a_broken_run_is_done_again(replayed):
+    dataset, exposed = replayed
+    repeat_runs(dataset.folder, 2)
+    path = estimates_path(dataset.folder, 1, "paper")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    assert not is_done(dataset.folder, 1)
+    assert repeat_runs(dataset.folder, 2) == [1]
+    assert path.read_bytes() == whole
+    assert exposed == [1, 1]
+
+
+def test_a_run_of_other_frames_is_done_again_and_never_scored(replayed):
+    dataset, _ = replayed
+    repeat_runs(dataset.folder, 2)
+    info = dataset.folder / "dataset.json"
+    info.write_text(info.read_text().replace('"S2"', '"S4"'))
+    assert not is_done(dataset.folder, 1)
+    with pytest.raises(DatasetError, match="expected estimates of this dataset, got another's"):
+        api.score(dataset.folder)
+    repeat_runs(dataset.folder, 2)
+    assert api.score(dataset.folder)["runs"] == 2
+
+
+def test_one_run_repeats_nothing(replayed):
+    dataset, exposed = replayed
+    assert repeat_runs(dataset.folder, 1) == []
+    assert exposed == []
+
+
+def test_estimating_again_gives_the_same_bytes(scored_dataset, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(scored_dataset.folder, copy)
+    shutil.rmtree(copy / "estimates")
+    api.estimate(copy)
+    for variant in VARIANTS:
+        first = estimates_path(scored_dataset.folder, 0, variant).read_bytes()
+        assert estimates_path(copy, 0, variant).read_bytes() == first
+
+
+def test_the_whole_job_in_one_call(replayed, tmp_path, monkeypatch):
+    """``api.run`` asks for the rendering as it was asked, then does the rest; nothing is drawn."""
+    dataset, exposed = replayed
+    asked = []
+
+    def render_case(request):
+        asked.append(request)
+        shutil.copytree(dataset.folder, request.out, ignore=shutil.ignore_patterns("estimates"))
+
+    monkeypatch.setattr(renders.batches.render_case, "render_case", render_case)
+    # Synthetic frames have no light in a store, hence none to hold.
+    monkeypatch.setattr(renders.batches.replay, "light_held", lambda folder: nullcontext())
+    out = tmp_path / "out"
+    score = api.run("maxar-demo", out, seeds=2, sun="S4", width=512, threads=1)
+    assert [(r.case, r.out, r.sun, r.width, r.threads, r.seeds) for r in asked] == [
+        ("maxar-demo", out, "S4", 512, 1, 2)
+    ]
+    assert exposed == [1]
+    assert score["runs"] == 2
+    assert (out / "score.json").is_file()
+    assert (out / "report.html").is_file()

@@ -1,0 +1,151 @@
+"""Anybody's image pairs: taken as they come, or refused with a reason that can be acted on."""
+
+import cv2
+import numpy as np
+import pytest
+
+from bench.estimating.foreign_frames import (
+    estimate_pairs,
+    find_pairs,
+    guessed_detector,
+    marker_pattern,
+    read_grey,
+    read_pairs,
+)
+from models.dataset.dataset import image_path
+from models.dataset.estimates_file import read_estimates
+from models.errors import DatasetError, ScenarioError
+from models.pose import pose_error
+from tests.support.synthetic_dataset import SyntheticDataset, write_dataset
+
+THREE_MILLIMETRES = 3e-3  # eight bits leave 256 levels: about ten times the bound at 3 m
+RATE_HZ = 0.1  # of the synthetic dataset
+
+
+@pytest.fixture
+def pairs(tmp_path) -> tuple[SyntheticDataset, object]:
+    """Write the synthetic frames as 8-bit pairs with names of their own, and a prior beside."""
+    dataset = write_dataset(tmp_path / "data", frames=3)
+    folder = tmp_path / "pairs"
+    folder.mkdir()
+    for entry in dataset.entries:
+        for band in (800, 850):
+            image = cv2.imread(
+                str(image_path(dataset.folder, entry.index, band)), cv2.IMREAD_UNCHANGED
+            )
+            name = folder / f"shot{entry.index + 9}_{band}.png"
+            cv2.imwrite(str(name), (image // 16).astype(np.uint8))
+    (tmp_path / "prior.toml").write_text((dataset.folder / "prior.toml").read_text())
+    return dataset, folder
+
+
+def run(dataset: SyntheticDataset, folder, **changes) -> list:
+    options = {
+        "target": "maxar1300", "prior": None, "detector": None, "rate_hz": RATE_HZ, "out": folder,
+    }  # fmt: skip
+    return estimate_pairs(folder, dataset.camera, **{**options, **changes})
+
+
+def test_eight_bit_pairs_of_any_name(pairs):
+    dataset, folder = pairs
+    paths = run(dataset, folder)
+    assert [path.name for path in paths] == ["paper.jsonl", "best.jsonl"]
+    estimates = read_estimates(paths[1])
+    assert [estimate.frame for estimate in estimates] == [0, 1, 2]
+    for estimate, truth in zip(estimates, dataset.truths, strict=True):
+        assert estimate, estimate
+        error = pose_error(estimate.cam_from_target, truth.cam_from_target)
+        assert np.linalg.norm(error.position_m) < THREE_MILLIMETRES
+
+
+def test_pairs_are_taken_in_the_order_of_their_numbers(pairs):
+    _, folder = pairs
+    names = [pair.path_850.name for pair in find_pairs(folder, RATE_HZ)]
+    assert names == ["shot9_850.png", "shot10_850.png", "shot11_850.png"]
+
+
+def test_times_come_from_the_rate_or_from_a_file(pairs):
+    dataset, folder = pairs
+    assert [pair.entry.time_s for pair in find_pairs(folder, 0.5)] == [0.0, 2.0, 4.0]
+    (folder / "frames.csv").write_text((dataset.folder / "frames.csv").read_text())
+    assert [pair.entry.time_s for pair in find_pairs(folder, 0.5)] == [0.0, 10.0, 20.0]
+    (folder / "frames.csv").write_text("index,time_s,exposure_ms\n0,0.0,1.0\n")
+    with pytest.raises(DatasetError, match="one row for each of 3 image pairs, got 1"):
+        find_pairs(folder, 0.5)
+
+
+def test_markers_from_a_file(pairs):
+    dataset, _ = pairs
+    named = marker_pattern("maxar1300")
+    from_file = marker_pattern(str(dataset.folder / "markers.toml"))
+    assert from_file.names == named.names
+    assert np.array_equal(from_file.points_in_target, named.points_in_target)
+    with pytest.raises(ScenarioError, match="which has none"):
+        marker_pattern("chaser")
+    with pytest.raises(ScenarioError, match="expected a spacecraft among"):
+        marker_pattern("maxar1400")
+
+
+def test_no_prior_is_said_so(pairs, tmp_path):
+    dataset, folder = pairs
+    (tmp_path / "prior.toml").unlink()
+    with pytest.raises(ScenarioError, match="expected a first pose: none was given with --prior"):
+        run(dataset, folder)
+    assert not (folder / "estimates").exists()
+
+
+def test_a_pair_without_its_other_image(pairs):
+    dataset, folder = pairs
+    (folder / "shot10_800.png").unlink()
+    with pytest.raises(DatasetError, match=r"expected shot10_800\.png beside shot10_850\.png"):
+        run(dataset, folder)
+
+
+def test_no_pairs_at_all(tmp_path):
+    with pytest.raises(DatasetError, match="found none"):
+        find_pairs(tmp_path, 1.0)
+
+
+def test_another_cameras_images(pairs):
+    dataset, folder = pairs
+    with pytest.raises(DatasetError, match="expected 256 x 256 pixels, as the camera has"):
+        list(read_pairs(find_pairs(folder, 1.0), dataset.camera.resized(256)))
+
+
+@pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan")])
+def test_a_rate_that_is_none(pairs, rate_hz):
+    dataset, folder = pairs
+    with pytest.raises(ScenarioError, match="rate in Hz above zero"):
+        run(dataset, folder, rate_hz=rate_hz)
+
+
+def test_kinds_of_image(tmp_path):
+    grey = (np.arange(12).reshape(3, 4) * 20).astype(np.uint8)
+    cases = {
+        "grey8": grey,
+        "grey16": grey.astype(np.uint16),
+        "three_equal_channels": np.repeat(grey[:, :, None], 3, axis=2),
+    }
+    for name, image in cases.items():
+        path = tmp_path / f"{name}.png"
+        cv2.imwrite(str(path), image)
+        assert read_grey(path).dtype == np.uint16
+        assert np.array_equal(read_grey(path), grey)
+    colour = np.stack([grey, 2 * grey, grey], axis=2)
+    cv2.imwrite(str(tmp_path / "colour.png"), colour)
+    with pytest.raises(DatasetError, match="expected a grey image of 8 or 16 bits"):
+        read_grey(tmp_path / "colour.png")
+    (tmp_path / "half.png").write_bytes((tmp_path / "grey8.png").read_bytes()[:40])
+    with pytest.raises(DatasetError, match="expected a whole PNG"):
+        read_grey(tmp_path / "half.png")
+    with pytest.raises(DatasetError, match="expected an image at"):
+        read_grey(tmp_path / "absent.png")
+
+
+@pytest.mark.parametrize(("largest", "bits"), [(0, 8), (255, 8), (256, 10), (4095, 12), (4096, 14)])
+def test_bits_are_guessed_from_the_largest_number(largest, bits):
+    image = np.zeros((4, 4), np.uint16)
+    image[1, 2] = largest
+    detector = guessed_detector(image)
+    assert detector.bits == bits
+    assert detector.saturation_dn <= detector.max_dn

@@ -1,0 +1,386 @@
+"""What is kept of a run's light: whole groups, marker windows or nothing, and the same frames."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from models.arrays import Radiance
+from models.errors import DatasetError, ScenarioError
+from models.pose import RigidTransform
+from renders.batches import render_case as batch
+from renders.batches.replay import exposed_frames
+from renders.store.budget import GB, stored
+from renders.store.claims import live_claims, read_claims
+from renders.store.kept_light import LightKeeping, checked_budget, exposure_bytes, keeping
+from renders.store.kept_windows import read_windows, windows_by_marker, write_windows
+from renders.store.radiance_store import as_half
+from renders.store.sealed_exr import read_exr
+from renders.tracing.light_groups import LightGroup
+from renders.truth.exposure_truth import ExposureTruth, read_exposures
+from renders.truth.pixel_truth import PixelTruth
+from renders.world.world import Exposure
+from tests.renders.conftest import TinyDataset
+
+FRAMES, EXPOSURES = 2, 4
+NAMES = [f"{frame:06d}_{band}" for frame in range(FRAMES) for band in (800, 850)]
+FEW_KB = 4096  # of headers: a window's numbers are many times fewer than an image's
+
+
+Again: TypeAlias = Callable[..., TinyDataset]
+
+
+@pytest.fixture
+def again(rendered_once: TinyDataset, tmp_path: Path) -> Again:
+    """Return the tiny case with other options, to be rendered into folders of its own."""
+
+    def dataset(**options: object) -> TinyDataset:
+        home = {"out": tmp_path / "out", "store": tmp_path / "store"}
+        return TinyDataset(replace(rendered_once.request, **{**home, **options}))  # type: ignore[arg-type]
+
+    return dataset
+
+
+@pytest.fixture
+def traced_before(
+    rendered_once: TinyDataset, monkeypatch: pytest.MonkeyPatch
+) -> list[tuple[int, int]]:
+    """Give what was traced once, not traced again for seconds; return what is asked to be traced.
+
+    Frame and band of each exposure.
+    """
+    asked: list[tuple[int, int]] = []
+
+    def trace(
+        studio: batch.Studio, exposure: Exposure, pose: RigidTransform, groups: list[LightGroup]
+    ) -> dict[str, Radiance]:
+        asked.append((exposure.frame, exposure.band))
+        keys = {group.name: studio.keys.group(exposure, pose, group) for group in groups}
+        images = {name: rendered_once.store.read(key) for name, key in keys.items()}
+        return {name: image for name, image in images.items() if image is not None}
+
+    truths = read_exposures(rendered_once.folder)
+    geometry = rendered_once.folder / "truth" / "geometry"
+
+    def pixel_truth(studio: batch.Studio, pose: RigidTransform) -> PixelTruth:
+        (name,) = (
+            f"{frame:06d}_{band}"
+            for (frame, band), truth in truths.items()
+            if np.allclose(truth.cam_from_target.matrix(), pose.matrix(), rtol=0.0, atol=1e-12)
+        )
+        channels = read_exr(geometry / f"{name}.exr")
+        assert channels is not None
+        normals = np.stack([channels[axis] for axis in ("NX", "NY", "NZ")], axis=-1)
+        return PixelTruth(channels["label"].astype(np.uint8), channels["Z"], normals)
+
+    def truth(_: batch.Studio, exposure: Exposure, __: RigidTransform) -> ExposureTruth:
+        return truths[exposure.frame, exposure.band]
+
+    monkeypatch.setattr(batch.Studio, "trace", trace)
+    monkeypatch.setattr(batch.Studio, "pixel_truth", pixel_truth)
+    monkeypatch.setattr(batch.Studio, "truth", truth)
+    return asked
+
+
+def frames(dataset: TinyDataset) -> dict[str, bytes]:
+    return {n: data for n, data in dataset.files().items() if n.startswith(("frames", "truth/lab"))}
+
+
+def entries(dataset: TinyDataset) -> int:
+    return len(list(stored(dataset.store.folder)))
+
+
+def size(dataset: TinyDataset) -> int:
+    return sum(entry.cost_bytes for entry in stored(dataset.store.folder))
+
+
+def windows(dataset: TinyDataset, name: str) -> Path:
+    return dataset.folder / "truth" / "marker_windows" / f"{name}.exr"
+
+
+# The frames are the same whatever is kept
+
+
+def test_nothing_is_kept_and_the_frames_are_the_same(
+    again: Again, rendered_once: TinyDataset
+) -> None:
+    dataset = again(keep_light="none")
+    dataset.render()
+    ours, theirs = dataset.files(), rendered_once.files()
+    assert ours.keys() == theirs.keys()
+    assert all(ours[name] == theirs[name] for name in ours if name != "truth/light.json")
+    assert not dataset.store.folder.exists()
+
+
+@pytest.mark.usefixtures("traced_before")
+def test_windows_of_all_frames_and_whole_groups_of_some_are_kept(
+    again: Again, rendered_once: TinyDataset
+) -> None:
+    dataset = again(keep_light="markers", keep_every=2)
+    dataset.render()
+    assert frames(dataset) == frames(rendered_once)
+    assert entries(dataset) == 2 * 3  # the first frame's: Sun, lamps and geometry of each band
+    assert [name for name in NAMES if windows(dataset, name).is_file()] == NAMES
+    assert "4 of 4 exposures are there already" in dataset.render()
+
+
+@pytest.mark.usefixtures("traced_before")
+def test_windows_are_cut_out_of_the_whole_groups_to_the_bit(
+    again: Again, rendered_once: TinyDataset
+) -> None:
+    """Those of the frame that is not kept whole, against a run that kept it."""
+    dataset = again(keep_light="markers", keep_every=2)
+    dataset.render()
+    world, markers = rendered_once.world, rendered_once.world.target.markers
+    assert markers is not None
+    for exposure in world.exposures[2:]:
+        name = f"{exposure.frame:06d}_{exposure.band}"
+        kept = read_windows(windows(dataset, name))
+        pose = world.approach.cam_from_target(exposure.time_s)
+        expected = windows_by_marker(markers, world.camera, pose)
+        assert kept is not None
+        assert kept.keys() == expected.keys()
+        assert len(kept) >= 8
+        keys = light_keys(rendered_once, name)
+        whole = {group: rendered_once.store.read(key) for group, key in keys.items()}
+        for marker, window in kept.items():
+            left, top, width, height = expected[marker]
+            assert (window.left, window.top) == (left, top)
+            assert window.groups.keys() == whole.keys()
+            for group, image in window.groups.items():
+                cut = whole[group][top : top + height, left : left + width]
+                np.testing.assert_array_equal(image, cut)
+        bright = max(window.groups[f"lamps_{exposure.band}"].max() for window in kept.values())
+        assert bright > 0.0
+
+
+def light_keys(dataset: TinyDataset, name: str) -> dict[str, str]:
+    import json
+
+    table = json.loads((dataset.folder / "truth" / "light.json").read_text())
+    return dict(table["exposures"][name])
+
+
+def test_windows_are_kept_from_light_that_is_in_the_store(
+    tiny: TinyDataset, traced_before: list[tuple[int, int]]
+) -> None:
+    """A dataset that was rendered whole gains its windows, and no light is traced for it."""
+    before = frames(tiny)
+    with_windows = TinyDataset(replace(tiny.request, keep_light="markers"))
+    assert "0 of 4 exposures are there already" in with_windows.render()
+    assert traced_before == []
+    assert frames(tiny) == before
+    assert all(windows(tiny, name).is_file() for name in NAMES)
+
+
+def test_light_that_was_not_kept_is_told_and_comes_back(
+    again: Again, rendered_once: TinyDataset, traced_before: list[tuple[int, int]]
+) -> None:
+    dataset = again(keep_light="markers", keep_every=2)
+    dataset.render()
+    _, replayed = exposed_frames(dataset.folder, run=1)
+    next(replayed)  # kept whole
+    with pytest.raises(DatasetError, match=r"rendered with --keep-light markers --keep-every 2"):
+        next(replayed)
+    traced_before.clear()
+    again(seeds=2).render()
+    assert traced_before == [(1, 800), (1, 850)]
+    _, replayed = exposed_frames(dataset.folder, run=1)
+    assert len(list(replayed)) == FRAMES
+    assert frames(dataset) == frames(rendered_once)
+
+
+# Within a budget
+
+
+@pytest.mark.usefixtures("traced_before")
+def test_a_run_streams_within_its_budget(
+    again: Again,
+    rendered_once: TinyDataset,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The budget holds the light of three of the four exposures; the dataset is the same."""
+    light = sum(entry.cost_bytes for entry in stored(rendered_once.store.folder))
+    budget = 0.8 * light
+    monkeypatch.setattr(batch, "checked_budget", lambda *_: budget)
+    sizes = []
+    really = batch.compose
+
+    def watched(*arguments: object, **named: object) -> object:
+        sizes.append(size(dataset))
+        return really(*arguments, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(batch, "compose", watched)
+    dataset = again()
+    dataset.render()
+    assert len(sizes) == EXPOSURES
+    assert 0 < max(*sizes, size(dataset)) <= budget
+    assert light_of(dataset, NAMES[-1]) == {True}
+    assert False in light_of(dataset, NAMES[0])
+    assert frames(dataset) == frames(rendered_once)
+
+
+def light_of(dataset: TinyDataset, name: str) -> set[bool]:
+    return {dataset.store.has(key) for key in light_keys(dataset, name).values()}
+
+
+@pytest.mark.usefixtures("traced_before")
+def test_light_that_another_process_prunes_at_once_is_no_loss(
+    again: Again,
+    rendered_once: TinyDataset,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Everything written is gone before it is read back, links and all."""
+    dataset = again()
+    really = batch.RadianceStore.write_all
+
+    def written_and_pruned(self: batch.RadianceStore, images: dict[str, np.ndarray]) -> None:
+        really(self, images)
+        shutil.rmtree(self.folder)
+
+    monkeypatch.setattr(batch.RadianceStore, "write_all", written_and_pruned)
+    dataset.render()
+    assert frames(dataset) == frames(rendered_once)
+
+
+@pytest.mark.usefixtures("traced_before")
+def test_a_run_claims_its_light_while_it_lives_and_leaves_a_record(
+    again: Again, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dataset = again(end_s=240.0, seeds=2)
+    alive = []
+    really = batch.compose
+
+    def watched(*arguments: object, **named: object) -> object:
+        alive.extend(live_claims(dataset.store.folder))
+        return really(*arguments, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(batch, "compose", watched)
+    dataset.render()
+    keys = {entry.key for entry in stored(dataset.store.folder)}
+    assert [claim.needed | claim.wanted for claim in alive] == [keys, keys]
+    lit = {key for name in NAMES[:2] for key in light_keys(dataset, name).values()}
+    assert alive[0].needed == lit
+    assert live_claims(dataset.store.folder) == []
+    (record,) = read_claims(dataset.store.folder)
+    assert (record.case, record.sun, record.keys) == ("maxar-demo", "S2", keys)
+    assert record.dataset == dataset.folder
+
+
+# Damage
+
+
+@pytest.mark.parametrize("place", [-100, b"screenWindowWidth"], ids=["pixels", "header"])
+@pytest.mark.parametrize("verified", [False, True], ids=["a run meets it", "verify deletes it"])
+def test_a_flipped_byte_is_found_and_that_entry_rendered_again_to_the_same_bits(
+    tiny: TinyDataset, traced_before: list[tuple[int, int]], place: int | bytes, verified: bool
+) -> None:
+    before = tiny.files()
+    entry = tiny.store.path(light_keys(tiny, "000001_850")["lamps_850"])
+    whole = entry.read_bytes()
+    damaged = bytearray(whole)
+    damaged[whole.index(place) if isinstance(place, bytes) else place] ^= 1
+    entry.write_bytes(bytes(damaged))
+    if verified:
+        assert main(["store", "verify", "--delete", "--store", str(tiny.store.folder)]) == 1
+        assert not entry.exists()
+    (tiny.folder / "frames" / "000001_850.png").unlink()
+    tiny.render()
+    assert traced_before == [(1, 850)]
+    assert entry.read_bytes() == whole
+    assert tiny.files() == before
+    assert main(["store", "verify", "--store", str(tiny.store.folder)]) == 0
+
+
+# What is asked for
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"keep_every": 5}, "only with --keep-light markers, got it with all"),
+        ({"keep_light": "none", "keep_every": 5}, "got it with none"),
+        ({"keep_light": "markers", "keep_every": 0}, "of at least 1, got 0"),
+        ({"keep_light": "markers", "seeds": 2}, "expected --keep-light all with --seeds 2"),
+        ({"keep_light": "none", "seeds": 2}, "expected --keep-light all with --seeds 2"),
+        ({"store_budget_gb": 1e-4}, r"of at least 0\.0004.* 2 light groups at 128 x 128.*0\.0001"),
+    ],
+)
+def test_what_cannot_be_is_told_before_anything_is_made(
+    again: Again, options: dict[str, object], message: str
+) -> None:
+    dataset = again(**options)
+    with pytest.raises(ScenarioError, match=message):
+        dataset.render()
+    assert not dataset.folder.exists()
+    assert not dataset.store.folder.exists()
+
+
+def test_no_budget_is_too_small_for_keeping_nothing(again: Again) -> None:
+    dataset = again(keep_light="none", store_budget_gb=1e-9)
+    assert checked_budget(dataset.request, dataset.world) == pytest.approx(1e-9 * GB)
+
+
+def test_what_is_kept_whole(again: Again) -> None:
+    kept = keeping(again(keep_light="markers").request)
+    assert str(kept) == "--keep-light markers --keep-every 10"
+    assert [frame for frame in range(25) if kept.keeps_whole(frame)] == [0, 10, 20]
+    assert all(LightKeeping().keeps_whole(frame) for frame in range(3))
+    assert not any(LightKeeping("none").keeps_whole(frame) for frame in range(3))
+
+
+def test_an_exposure_never_takes_more_than_is_reckoned(rendered_once: TinyDataset) -> None:
+    """Noise does not compress; real light takes less."""
+    bound = exposure_bytes(rendered_once.world)
+    for exposure in NAMES:
+        keys = light_keys(rendered_once, exposure).values()
+        geometry = rendered_once.folder / "truth" / "geometry" / f"{exposure}.exr"
+        light = sum(rendered_once.store.path(key).stat().st_size for key in keys)
+        assert light + geometry.stat().st_size < bound
+    noise = np.random.default_rng(2).integers(0, 30000, (128, 128), dtype=np.uint16)
+    rendered_once_store = rendered_once.store.folder.parent / "noise"
+    store = type(rendered_once.store)(rendered_once_store)
+    key = next(iter(light_keys(rendered_once, NAMES[0]).values()))
+    store.write(key, noise.view(np.float16).astype(np.float32))
+    assert 2 * 128 * 128 < store.path(key).stat().st_size < 2 * 128 * 128 + 65536
+
+
+# The windows' file
+
+
+def test_windows_read_back_where_they_lie_even_when_they_overlap(tmp_path: Path) -> None:
+    rng = np.random.default_rng(8)
+    names = ("sun_+0.123456_-0.500000_+1.000000", "lamps_850")
+    groups = {name: rng.random((40, 60), dtype=np.float32) for name in names}
+    asked = {"A1": (0, 0, 10, 12), "A2": (5, 5, 10, 10), "B1": (57, 38, 3, 2)}
+    write_windows(tmp_path / "w.exr", asked, groups)
+    read = read_windows(tmp_path / "w.exr")
+    assert read is not None
+    assert read.keys() == asked.keys()
+    for marker, (left, top, width, height) in asked.items():
+        assert (read[marker].left, read[marker].top) == (left, top)
+        for name, whole in groups.items():
+            cut = as_half(whole)[top : top + height, left : left + width]
+            np.testing.assert_array_equal(read[marker].groups[name], cut.astype(np.float32))
+
+
+def test_no_marker_in_the_image_is_no_window(tmp_path: Path) -> None:
+    write_windows(tmp_path / "w.exr", {}, {"sun": np.ones((4, 4), dtype=np.float32)})
+    assert read_windows(tmp_path / "w.exr") == {}
+
+
+def test_a_damaged_file_of_windows_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "w.exr"
+    assert read_windows(path) is None
+    write_windows(path, {"A": (0, 0, 4, 4)}, {"sun": np.ones((4, 4), dtype=np.float32)})
+    data = bytearray(path.read_bytes())
+    data[-20] ^= 4
+    path.write_bytes(bytes(data))
+    assert read_windows(path) is None
