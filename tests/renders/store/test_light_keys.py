@@ -16,9 +16,9 @@ from models.materials import MATERIALS, BandReflectance
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from renders.scenario.scenario import RenderRequest, Scenario, resolve
+from renders.store import light_keys
+from renders.store import radiance_store as store
 from renders.store.light_keys import LightKeys, spacecraft_hash
-from renders.store.radiance_store import light_keys
-from renders.store.radiance_store import radiance_store as store
 from renders.tracing.light_groups import LampGroup, SunGroup
 from renders.world.world import Exposure, World
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import VariantError
-from renders.variant.choice import choice as variant
+from renders.variant import choice as variant
 from renders.variant import probe_cache
 
 A_SECOND = 1.0  # of the hour that the sleeper sleeps
