@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable
 from time import perf_counter
 
 from models.estimate import Estimate
-from models.frame import FlightKnowledge, Frame
+from models.frame import Frame
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.chaser_fixed.pipeline import ChaserFixed
 

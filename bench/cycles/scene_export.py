@@ -8,7 +8,7 @@ import trimesh
 from bench.cycles.neutral_scene import NeutralMaterial, NeutralMesh, NeutralScene, NeutralSun
 from models.arrays import Floats
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.lights.sun import ANGULAR_DIAMETER_DEG, PASSBAND_IRRADIANCE_W_M2
 from models.materials import MATERIALS
 from models.motion.approach import Approach

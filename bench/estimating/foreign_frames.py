@@ -26,7 +26,9 @@ from models.dataset.dataset import (
     read_prior,
 )
 from models.errors import DatasetError, ScenarioError, cause
-from models.frame import FlightKnowledge, Frame, MarkerPattern
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from models.frame import Frame
+from models.markers import MarkerPattern
 from models.sensors.camera_chip import Detector
 
 UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it

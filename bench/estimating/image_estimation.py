@@ -21,7 +21,8 @@ from models.dataset.image_dataset import (
 )
 from models.dataset.navigation_estimates_file import write_navigation_estimates
 from models.errors import DatasetError
-from models.uncooperative import NavigationEstimate, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
 from pipelines.uncooperative.pipeline import VARIANTS, Uncooperative, options_for
 

@@ -6,12 +6,8 @@ from importlib import import_module
 from typing import Any, Protocol
 
 from models.motion.relative_state import RelativeState
-from models.uncooperative import (
-    ImageFrame,
-    NavigationEstimate,
-    PointFrame,
-    UncooperativeKnowledge,
-)
+from pipelines.uncooperative.knowledge import ImageFrame, PointFrame, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
 
 OURS = "pipelines.uncooperative.pipeline"
 

@@ -21,7 +21,8 @@ from models.dataset.image_dataset import (
 from models.dataset.navigation_estimates_file import read_navigation_estimates
 from models.errors import DatasetError
 from models.pose import RigidTransform
-from models.uncooperative import ImageFrame, NavigationEstimate, UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
 from renders.truth.image_truth import ImageTruth, read_image_truths
 
 

@@ -17,7 +17,8 @@ from models.arrays import AnyArray, Floats
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
-from models.uncooperative import ImageFrame, NavigationEstimate, UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
 from models.wireframe.visibility import visible_edge_pieces
 from models.wireframe.wireframe import Wireframe
 from renders.truth.image_truth import ImageTruth

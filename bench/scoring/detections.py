@@ -21,7 +21,7 @@ import numpy as np
 from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
 from models.estimate import Detections
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from renders.truth.exposure_truth import ExposureTruth
 
 GATE_PX = 1.5

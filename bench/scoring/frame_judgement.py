@@ -12,7 +12,8 @@ from bench.suites.pesce2019.acquisition_trial import WRONG_DEG, WRONG_M, symmetr
 from models.arrays import Floats, Mask
 from models.estimate import NoPose
 from models.pose import RigidTransform
-from models.uncooperative import NavigationEstimate, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from models.wireframe.visibility import visible_landmarks
 from models.wireframe.wireframe import Wireframe
 from renders.truth.image_truth import ImageTruth

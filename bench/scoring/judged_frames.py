@@ -15,7 +15,7 @@ from models.camera import Camera
 from models.dataset.dataset import FrameEntry, read_frame_entries, read_knowledge
 from models.errors import DatasetError
 from models.estimate import Estimate, PoseEstimate
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import PoseError, pose_error
 from renders.scenario.scenario import read_scenario
 from renders.truth.exposure_truth import ExposureTruth, read_exposures

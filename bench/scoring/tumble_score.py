@@ -36,7 +36,8 @@ from models.dataset.dataset import read_frame_entries
 from models.dataset.image_dataset import read_image_info, read_uncooperative_knowledge
 from models.dataset.navigation_estimates_file import read_navigation_estimates
 from models.errors import DatasetError, cause
-from models.uncooperative import NavigationEstimate, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from renders.truth.image_truth import ImageTruth, read_image_truths
 
 STATE_DOF = 6

@@ -12,7 +12,7 @@ from bench.sweep.folder import (
 from bench.sweep.plan import SweepPlan, SweepPose
 from bench.sweep.shots import Shot, read_shot
 from bench.sweep.table import Setting
-from models.frame import FlightKnowledge
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.batches.render_case import Studio
 from renders.batches.sweep_batches import PoseLight, scenario_at
 from renders.store.light_keys import LightKeys

@@ -31,9 +31,11 @@ import tomli_w
 from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError, cause
-from models.frame import FlightKnowledge, Frame, MarkerPattern
+from models.frame import Frame
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 FORMAT = "rvbench-pairs"
 VERSION = 1

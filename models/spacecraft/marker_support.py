@@ -11,7 +11,7 @@ import numpy as np
 import trimesh
 
 from models.arrays import Floats
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.spacecraft.bus import FACE_Z_M
 from models.spacecraft.part import Part
 from models.spacecraft.solids import (

@@ -13,7 +13,7 @@ import numpy as np
 
 from models.arrays import Floats, Mask
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 
 OUTLINE_POINTS = 48

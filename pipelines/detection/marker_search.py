@@ -8,12 +8,13 @@ import numpy as np
 
 from models.arrays import Floats, Mask
 from models.camera import Camera
-from models.frame import Frame, MarkerPattern
+from models.markers import MarkerPattern
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.disc_outline import DiscOutlines, disc_outlines
 from pipelines.detection.image_difference import Region
+from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.local_threshold import detect_in_region
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
 from pipelines.tracking.motion_prediction import PredictedPose
@@ -95,7 +96,7 @@ def marker_regions(
 
 
 def search(
-    frame: Frame,
+    pair: ImagePair,
     camera: Camera,
     detector: Detector,
     predicted: PredictedMarkers,
@@ -104,7 +105,7 @@ def search(
 ) -> Candidates:
     """Find candidates in the regions, and drop those that the image's edge may cut."""
     parts = [
-        detect_in_region(frame, detector, region, predicted.radii_px, options) for region in regions
+        detect_in_region(pair, detector, region, predicted.radii_px, options) for region in regions
     ]
     found = Candidates.merged(parts, same_px=1.0)
     margin = options.s_bord * float(predicted.outlines.radii_px[predicted.outlines.facing].min())

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from models.arrays import Floats
-from models.estimate import PoseEstimate
+from models.estimate import Estimate
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
@@ -59,7 +59,7 @@ class FilteredState:
     since_pose_s: float = 0.0
 
     def pose_covariance(self, cam_from_lvlh: RigidTransform) -> Floats:
-        """Return the (6, 6) covariance of the pose that a camera sees, as a PoseEstimate has it.
+        """Return the (6, 6) covariance of the pose that a camera sees, as an estimate has it.
 
         rad and m, rotation first, camera axes; the filters know nothing between the two.
         """
@@ -140,15 +140,15 @@ class RelativeNavigation:
         self._refused_in_row = 0
         return self._filtered()
 
-    def start_from_pose(self, pose: PoseEstimate, chaser: ChaserState) -> FilteredState:
+    def start_from_pose(self, found: Estimate, chaser: ChaserState) -> FilteredState:
         """Begin, or begin again, from a pose alone; the rates are unknown and taken as none."""
-        place, place_noise, attitude, turn_noise = self._measured(pose)
+        place, place_noise, attitude, turn_noise = self._measured(found)
         option = self._options
         translation = _diagonal(0.0, option.start_sigma_m_s)
         translation[:3, :3] = place_noise
         rotation = _diagonal(0.0, np.deg2rad(option.start_sigma_deg_s))
         rotation[:3, :3] = turn_noise
-        still = RelativeState(pose.time_s, place, np.zeros(3), attitude, np.zeros(3))
+        still = RelativeState(found.time_s, place, np.zeros(3), attitude, np.zeros(3))
         begun = self.start(
             still, chaser, translation_covariance=translation, rotation_covariance=rotation
         )
@@ -194,7 +194,7 @@ class RelativeNavigation:
         self._time_s = time_s
         return self._filtered()
 
-    def update(self, pose: PoseEstimate) -> FilteredState:
+    def update(self, found: Estimate) -> FilteredState:
         """Take in a pose of the time predicted to, if it agrees with the prediction.
 
         Raises
@@ -203,12 +203,12 @@ class RelativeNavigation:
             If the pose is of another time, or nothing was started.
         """
         now = self._now()
-        if abs(pose.time_s - self._time_s) > SAME_TIME_S:
+        if abs(found.time_s - self._time_s) > SAME_TIME_S:
             raise ValueError(
                 f"expected a pose of {self._time_s} s, to which the filters were predicted, got "
-                f"one of {pose.time_s} s: predict first"
+                f"one of {found.time_s} s: predict first"
             )
-        place, place_noise, attitude, turn_noise = self._measured(pose)
+        place, place_noise, attitude, turn_noise = self._measured(found)
         moved, remark = self._translation_update(now, place, place_noise)
         turned = self._rotation_update(attitude, turn_noise)
         gate = self._options.gate
@@ -252,17 +252,21 @@ class RelativeNavigation:
             return multiplicative_ekf.update(self._rotation, attitude, noise)
         return minimum_energy.update(self._rotation, attitude, noise)
 
-    def _measured(self, pose: PoseEstimate) -> tuple[Floats, Floats, Floats, Floats]:
+    def _measured(self, found: Estimate) -> tuple[Floats, Floats, Floats, Floats]:
         """Return position and its noise in the local frame, attitude and its noise in target."""
+        pose = found.pose
+        if pose is None:
+            raise ValueError(f"expected a pose to measure with, got none: {found.reason}")
+        covariance = pose.stated_covariance
         lvlh_from_cam = self._cam_from_lvlh.inverse()
         lvlh_from_target = lvlh_from_cam @ pose.cam_from_target
         mount = lvlh_from_cam.rotation
         target_from_cam = pose.cam_from_target.rotation.T
         return (
             lvlh_from_target.translation,
-            mount @ pose.covariance[3:, 3:] @ mount.T,
+            mount @ covariance[3:, 3:] @ mount.T,
             lvlh_from_target.rotation,
-            target_from_cam @ pose.covariance[:3, :3] @ target_from_cam.T,
+            target_from_cam @ covariance[:3, :3] @ target_from_cam.T,
         )
 
     def _now(self) -> Floats:

@@ -6,7 +6,7 @@ import numpy as np
 
 from models.arrays import Floats, Mask
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from pipelines.chaser_fixed.match import Match, Solution
 from pipelines.chaser_fixed.options import ChaserFixedOptions

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
-from models.frame import FlightKnowledge
 from models.pose import RigidTransform, euler_321_from_rotation
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 

@@ -28,7 +28,7 @@ from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_text
 from models.dataset.dataset import DatasetInfo, FrameEntry, image_path, read_image
 from models.errors import DatasetError, ScenarioError, StorageError
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.batches.dataset_writer import DatasetWriter, check_folder, recorded_entries
 from renders.batches.public_half import dataset_format, public_files

@@ -16,7 +16,8 @@ import numpy as np
 from models.arrays import Image, Radiance
 from models.dataset.dataset import FrameEntry, exposure_name
 from models.errors import DatasetError, StorageError, cause
-from models.frame import FlightKnowledge, Frame
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from models.frame import Frame
 from renders.detector.compose import compose
 from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import read_scenario

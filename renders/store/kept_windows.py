@@ -18,7 +18,7 @@ import OpenEXR
 from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_bytes
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.store.radiance_store import as_half
 from renders.store.sealed_exr import OPEN, SEAL, flat_header, sealed, whole_bytes

@@ -16,7 +16,7 @@ import numpy as np
 
 from models.arrays import Floats, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.tracing.light_groups import LampGroup

@@ -19,7 +19,7 @@ import numpy as np
 
 from models.arrays import AnyArray, Mask, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.emitter_by_emitter import render_group
 from renders.tracing.group_integrator import trace_groups

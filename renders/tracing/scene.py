@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 
 from models.arrays import Floats
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft

@@ -15,7 +15,7 @@ import numpy as np
 
 from models.arrays import Floats, Labels, Mask, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.lights.led_beam import LedRing
 from models.pose import RigidTransform
 from renders.tracing.camera_plugin import sensor_dict

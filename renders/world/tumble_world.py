@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Floats
 from models.dataset.dataset import FILTERED, FrameEntry
 from models.errors import ScenarioError
-from models.frame import FlightKnowledge
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.lights.earth import EARTH_RADIUS_KM
 from models.lights.sun import sun_direction
 from models.motion.chaser_navigation import corrupted
@@ -25,7 +25,7 @@ from models.motion.relative_state import ChaserState
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
 from models.spacecraft.wireframes import wireframe_by_name
-from models.uncooperative import UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from models.wireframe.wireframe import Wireframe
 from renders.scenario.scenario import Scenario
 from renders.scenario.tumble_tables import TumbleTable

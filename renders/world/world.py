@@ -15,7 +15,7 @@ from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.dataset.dataset import FrameEntry
 from models.errors import ScenarioError
-from models.frame import FlightKnowledge
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.lights.earth import Earth
 from models.lights.led_beam import LedRing
 from models.lights.sun import SUN_CASES_DEG, sun_direction, unit_direction

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from models.arrays import Floats
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.detector.expose import electron_rate, mean_electrons
 from renders.scenario.scenario import RenderRequest, resolve

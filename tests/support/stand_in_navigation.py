@@ -18,7 +18,8 @@ from models.estimate import Detections, Estimate, NoPose, PoseEstimate
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform
-from models.uncooperative import NavigationEstimate, PointFrame, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
+from pipelines.uncooperative.knowledge import PointFrame, UncooperativeKnowledge
 
 VARIANTS = ("paper", "best")
 NEAR_PX = 40.0

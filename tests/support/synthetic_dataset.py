@@ -29,7 +29,8 @@ from models.dataset.dataset import (
 )
 from models.dataset.estimates_file import write_estimates
 from models.estimate import Detections, Estimate, NoPose, PoseEstimate
-from models.frame import FlightKnowledge, MarkerPattern
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS

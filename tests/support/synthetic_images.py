@@ -33,7 +33,7 @@ from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.spacecraft.wireframes import wireframe_by_name
-from models.uncooperative import UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from models.wireframe.visibility import visible_landmarks
 from models.wireframe.wireframe import Wireframe
 from models.wireframe.wireframe_file import wireframe_to_json

@@ -15,7 +15,9 @@ from scipy.special import ndtr
 
 from models.arrays import Floats, Image
 from models.camera import Camera
-from models.frame import FlightKnowledge, Frame, MarkerPattern
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from models.frame import Frame
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 

@@ -25,7 +25,7 @@ from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform
 from models.spacecraft.wireframes import wireframe_by_name
-from models.uncooperative import UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
 EPOCH_DRAW = 0xE90C
 WRONG_M, WRONG_DEG = 1.0, 10.0

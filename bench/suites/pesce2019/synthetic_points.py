@@ -19,7 +19,7 @@ from models.camera import Camera
 from models.motion.chaser_navigation import corrupted
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
-from models.uncooperative import PointFrame
+from pipelines.uncooperative.knowledge import PointFrame
 from models.wireframe.wireframe import Wireframe
 
 NOISE_DRAW, OUTLIER_DRAW, ORDER_DRAW = 0x901E, 0x0071, 0x04DE

@@ -34,7 +34,7 @@ from models.dataset.dataset import (
     read_markers,
 )
 from models.errors import DatasetError, ScenarioError
-from models.frame import FlightKnowledge
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.pose import RigidTransform, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from models.motion.relative_state import ChaserState
 from models.pose import RigidTransform
-from models.uncooperative import ImageFrame, UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
 from pipelines.acquisition.from_image import (
     ImageAcquirer,
     ImageAcquisition,

@@ -14,7 +14,8 @@ from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
 from models.estimate import Estimate, NoPose, PoseEstimate
-from models.frame import Frame, MarkerPattern
+from models.frame import Frame
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, pose_error
 from pipelines.chaser_fixed.pipeline import VARIANTS, ChaserFixed, options_for
 from pipelines.detection.image_difference import swapped

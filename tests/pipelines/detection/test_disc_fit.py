@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from models.arrays import Floats, Image
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from pipelines.detection.blobs import find_blobs
 from pipelines.detection.centroids import weighted_centroids

@@ -15,7 +15,8 @@ from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import pose_error
-from models.uncooperative import NavigationEstimate, PointFrame, UncooperativeKnowledge
+from models.uncooperative import NavigationEstimate
+from pipelines.uncooperative.knowledge import PointFrame, UncooperativeKnowledge
 from pipelines.uncooperative.pipeline import VARIANTS, Uncooperative, options_for
 from tests.support.point_targets import (
     CAMERA,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.materials import MATERIALS, BandReflectance
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft

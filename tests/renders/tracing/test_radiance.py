@@ -11,7 +11,7 @@ import pytest
 
 from models.arrays import Floats, Mask, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.lights.led_beam import LAMPS_850
 from models.pose import RigidTransform
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics

@@ -10,7 +10,7 @@ import trimesh
 
 from models.arrays import Floats
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.lights.led_beam import LAMPS_850, LedRing
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
