@@ -17,6 +17,23 @@ class DatasetError(RvbenchError):
     """A dataset folder that is missing, truncated, of another version or inconsistent."""
 
 
+class UnreadableError(DatasetError):
+    """A file that is no regular file, too large, no text, or not of its format.
+
+    Attributes
+    ----------
+    told : str
+        What is wrong, without the path.
+    line : int, optional
+        Where, if a line can be named.
+    """
+
+    def __init__(self, path: object, told: str, line: int | None = None) -> None:
+        super().__init__(f"{path}: {told}" if line is None else f"{path}:{line}: {told}")
+        self.told = told if line is None else f"in line {line}: {told}"
+        self.line = line
+
+
 class VariantError(RvbenchError):
     """No Mitsuba variant that renders on this machine."""
 
@@ -29,4 +46,6 @@ def cause(error: Exception) -> str:
     """Return what the system or a parser said, without the path that our message names already."""
     if isinstance(error, KeyError):
         return f"no {error.args[0]}"
+    if isinstance(error, UnreadableError):
+        return error.told
     return str(getattr(error, "strerror", None) or error)

@@ -1,0 +1,1 @@
+"""The one door of every text file: read once, bounded, and checked for being possible."""

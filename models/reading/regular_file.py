@@ -1,0 +1,90 @@
+"""Bytes and text of a regular file, and of nothing else: a pipe would keep its reader waiting."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from models.errors import UnreadableError, cause
+
+MEGABYTE = 1_000_000
+MOST_TABLE_BYTES = 64 * MEGABYTE  # CSV and JSON: a day of estimates at 5 Hz takes a tenth
+MOST_LINE_BYTES = 4 * MEGABYTE
+
+KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+
+
+def read_bytes(path: Path, most_bytes: int = MOST_TABLE_BYTES) -> bytes:
+    """Read a regular file whole, or a link to one.
+
+    Raises
+    ------
+    UnreadableError
+        If it is missing, no regular file (it is not opened then), or larger than ``most_bytes``.
+    """
+    try:
+        _refuse_other_kinds(path, os.stat(path).st_mode)
+        flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+        with open(os.open(path, flags), "rb") as file:
+            _refuse_other_kinds(path, os.fstat(file.fileno()).st_mode)
+            data = file.read(most_bytes + 1)
+    except (OSError, ValueError) as error:  # a ValueError is a NUL in the path
+        raise UnreadableError(path, cause(error)) from error
+    if len(data) > most_bytes:
+        raise UnreadableError(
+            path,
+            f"more than {most_bytes / MEGABYTE:g} MB, the most that a file of this kind may have",
+        )
+    return data
+
+
+def read_text(path: Path, most_bytes: int = MOST_TABLE_BYTES) -> str:
+    """Read a regular file as UTF-8, with or without a byte order mark.
+
+    Raises
+    ------
+    UnreadableError
+        As ``read_bytes``, and if it is no UTF-8.
+    """
+    data = read_bytes(path, most_bytes)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise UnreadableError(
+            path, f"byte {data[error.start]:#04x} is no UTF-8 text; save it as UTF-8", line
+        ) from error
+
+
+def read_lines(
+    path: Path, most_bytes: int = MOST_TABLE_BYTES, most_line_bytes: int = MOST_LINE_BYTES
+) -> list[str]:
+    r"""Read the lines of a text file, which end in ``\n`` or ``\r\n``; the last may lack its end.
+
+    Raises
+    ------
+    UnreadableError
+        As ``read_text``, and if a line has more than ``most_line_bytes`` characters.
+    """
+    lines = read_text(path, most_bytes).split("\n")
+    if lines[-1] == "":
+        lines.pop()
+    for number, line in enumerate(lines, start=1):
+        if len(line) > most_line_bytes:
+            raise UnreadableError(
+                path, f"more than {most_line_bytes} characters, the most of one line", number
+            )
+    return [line.removesuffix("\r") for line in lines]
+
+
+def _refuse_other_kinds(path: Path, mode: int) -> None:
+    if not stat.S_ISREG(mode):
+        kind = KINDS.get(stat.S_IFMT(mode), "something else")
+        raise UnreadableError(path, f"{kind}, where a file was expected")
