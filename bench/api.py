@@ -90,8 +90,9 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
 
 def holds_images(folder: Path) -> bool:
     """Tell whether a dataset holds single images of a free target, and not pairs with markers."""
-    from models.dataset.dataset import read_format
     from models.dataset.image_dataset import FORMAT
+
+    from models.dataset.dataset import read_format
 
     return read_format(folder) == FORMAT
 

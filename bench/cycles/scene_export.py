@@ -8,8 +8,8 @@ import trimesh
 from bench.cycles.neutral_scene import NeutralMaterial, NeutralMesh, NeutralScene, NeutralSun
 from models.arrays import Floats
 from models.camera import Camera
-from models.markers import MarkerPattern
 from models.lights.sun import ANGULAR_DIAMETER_DEG, PASSBAND_IRRADIANCE_W_M2
+from models.markers import MarkerPattern
 from models.materials import MATERIALS
 from models.motion.approach import Approach
 from models.pose import RigidTransform

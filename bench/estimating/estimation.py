@@ -17,8 +17,8 @@ from models.dataset.dataset import read_frame_entries, read_frames, read_info, r
 from models.dataset.estimates_file import write_estimates, write_runtimes
 from models.errors import DatasetError
 from models.estimate import Estimate
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.frame import Frame
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import VARIANTS, ChaserFixed, options_for
 
 

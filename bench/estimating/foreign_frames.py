@@ -26,10 +26,10 @@ from models.dataset.dataset import (
     read_prior,
 )
 from models.errors import DatasetError, ScenarioError, cause
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.frame import Frame
 from models.markers import MarkerPattern
 from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it
 BITS = (8, 10, 12, 14, 16)

@@ -9,21 +9,22 @@ from __future__ import annotations
 from pathlib import Path
 from time import perf_counter
 
-from bench.estimating.runs import estimates_path, run_folder, runtimes_path
-from bench.progress import frame_progress
-from models.atomic_file import sweep_scratch
-from models.dataset.dataset import read_frame_entries
-from models.dataset.estimates_file import write_runtimes
 from models.dataset.image_dataset import (
     read_image_frames,
     read_image_info,
     read_uncooperative_knowledge,
 )
 from models.dataset.navigation_estimates_file import write_navigation_estimates
-from models.errors import DatasetError
 from models.uncooperative import NavigationEstimate
-from pipelines.uncooperative.knowledge import UncooperativeKnowledge
+
+from bench.estimating.runs import estimates_path, run_folder, runtimes_path
+from bench.progress import frame_progress
+from models.atomic_file import sweep_scratch
+from models.dataset.dataset import read_frame_entries
+from models.dataset.estimates_file import write_runtimes
+from models.errors import DatasetError
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from pipelines.uncooperative.pipeline import VARIANTS, Uncooperative, options_for
 
 

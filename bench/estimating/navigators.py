@@ -5,9 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, Protocol
 
+from models.uncooperative import NavigationEstimate
+
 from models.motion.relative_state import RelativeState
 from pipelines.uncooperative.knowledge import ImageFrame, PointFrame, UncooperativeKnowledge
-from models.uncooperative import NavigationEstimate
 
 OURS = "pipelines.uncooperative.pipeline"
 

@@ -16,6 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from models.dataset.image_dataset import (
+    read_image_frame,
+    read_navigation,
+    read_uncooperative_knowledge,
+)
 from rich.console import Console
 
 from bench.estimating.navigators import OURS, navigator, options_text
@@ -24,11 +29,6 @@ from bench.suites.spread import do_units
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.atomic_file import write_text
 from models.dataset.dataset import FILTERED, FrameEntry, image_path, read_frame_entries
-from models.dataset.image_dataset import (
-    read_image_frame,
-    read_navigation,
-    read_uncooperative_knowledge,
-)
 from models.errors import DatasetError, cause
 from models.estimate import PoseEstimate
 from models.pose import RigidTransform

@@ -11,9 +11,9 @@ from models.dataset.dataset import read_frame, read_frame_entries, read_info, re
 from models.dataset.estimates_file import read_estimates
 from models.errors import DatasetError
 from models.estimate import Estimate, NoPose, PoseEstimate
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.frame import Frame
 from models.pose import RigidTransform, pose_error
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
 
 PREFERRED = "best"

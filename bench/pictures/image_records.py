@@ -6,12 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
-
-from bench.estimating.runs import estimates_path, spoken_variant
-from bench.pictures.frame_records import PREFERRED
-from bench.pictures.wireframe_overlay import estimated_pose
-from models.dataset.dataset import read_frame_entries
 from models.dataset.image_dataset import (
     read_image_frame,
     read_image_info,
@@ -19,10 +13,16 @@ from models.dataset.image_dataset import (
     read_uncooperative_knowledge,
 )
 from models.dataset.navigation_estimates_file import read_navigation_estimates
+from models.uncooperative import NavigationEstimate
+from scipy.spatial.transform import Rotation
+
+from bench.estimating.runs import estimates_path, spoken_variant
+from bench.pictures.frame_records import PREFERRED
+from bench.pictures.wireframe_overlay import estimated_pose
+from models.dataset.dataset import read_frame_entries
 from models.errors import DatasetError
 from models.pose import RigidTransform
 from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
-from models.uncooperative import NavigationEstimate
 from renders.truth.image_truth import ImageTruth, read_image_truths
 
 

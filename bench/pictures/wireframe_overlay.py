@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from models.uncooperative import NavigationEstimate
 from numpy.typing import NDArray
 
 from bench.pictures.stretch import stretch
@@ -17,10 +18,9 @@ from models.arrays import AnyArray, Floats
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
-from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
-from models.uncooperative import NavigationEstimate
 from models.wireframe.visibility import visible_edge_pieces
 from models.wireframe.wireframe import Wireframe
+from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
 from renders.truth.image_truth import ImageTruth
 
 ESTIMATE_GREEN = (74, 222, 96)

@@ -7,6 +7,7 @@ from typing import Any
 
 import jinja2
 import numpy as np
+from models.dataset.image_dataset import read_image_info
 
 from bench.estimating.runs import dataset_fingerprint
 from bench.pictures.frame_records import PREFERRED
@@ -22,7 +23,6 @@ from bench.report.scenario_tables import scenario_tables
 from bench.report.tables import variants_of
 from bench.scoring.tumble_score import read_tumble_score
 from models.atomic_file import write_text
-from models.dataset.image_dataset import read_image_info
 from models.errors import DatasetError
 
 TEMPLATE = "tumble_page.html.jinja"

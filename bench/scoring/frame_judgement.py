@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
+from models.uncooperative import NavigationEstimate
 from scipy.spatial.transform import Rotation
 
 from bench.scoring.navigation_errors import NavigationError, navigation_error
@@ -12,10 +13,9 @@ from bench.suites.pesce2019.acquisition_trial import WRONG_DEG, WRONG_M, symmetr
 from models.arrays import Floats, Mask
 from models.estimate import NoPose
 from models.pose import RigidTransform
-from models.uncooperative import NavigationEstimate
-from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from models.wireframe.visibility import visible_landmarks
 from models.wireframe.wireframe import Wireframe
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from renders.truth.image_truth import ImageTruth
 
 FOUND_PX = 3.0  # a corner this near to a landmark's true place is that landmark's

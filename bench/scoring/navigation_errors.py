@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 
 import numpy as np
+from models.uncooperative import NavigationEstimate
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.estimate import PoseEstimate
 from models.motion.relative_state import RelativeState
 from models.pose import RigidTransform
-from models.uncooperative import NavigationEstimate
 
 NONE = float("nan")
 

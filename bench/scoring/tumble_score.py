@@ -14,6 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from models.dataset.image_dataset import read_image_info, read_uncooperative_knowledge
+from models.dataset.navigation_estimates_file import read_navigation_estimates
+from models.uncooperative import NavigationEstimate
 from scipy.stats import chi2
 
 from bench.estimating.runs import estimates_path, found_variants
@@ -33,10 +36,7 @@ from bench.suites.pesce2019.acquisition_trial import WRONG_DEG, WRONG_M
 from bench.suites.pesce2019.summaries import without_numbers
 from models.atomic_file import write_text
 from models.dataset.dataset import read_frame_entries
-from models.dataset.image_dataset import read_image_info, read_uncooperative_knowledge
-from models.dataset.navigation_estimates_file import read_navigation_estimates
 from models.errors import DatasetError, cause
-from models.uncooperative import NavigationEstimate
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from renders.truth.image_truth import ImageTruth, read_image_truths
 

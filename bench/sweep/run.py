@@ -28,8 +28,8 @@ from bench.sweep.table import Row, Setting, judged_row
 from bench.sweep.workers import Workers
 from models.atomic_file import sweep_scratch, write_text
 from models.errors import StorageError
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.frame import Frame
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.batches.render_case import provenance
 from renders.batches.sweep_batches import scenario_at, under
 from renders.store.radiance_store import RadianceStore, default_store

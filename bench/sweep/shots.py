@@ -25,9 +25,9 @@ from models.atomic_file import write_bytes, write_text
 from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.frame import Frame
 from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import ChaserFixed, options_for
 from renders.batches.replay import read_groups
 from renders.detector.compose import compose

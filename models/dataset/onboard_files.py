@@ -129,9 +129,7 @@ def read_expectations(path: Path) -> FlightExpectations:
     """
     fields = Fields(read_toml(path), path)
     sigmas = ("sigma_px", "chaser_sigma_m", "chaser_sigma_m_s")
-    fields.only(
-        ("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas), ("range_m", "inertia_kg_m2")
-    )
+    fields.only(("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas), ("range_m", "inertia_kg_m2"))
     span = fields.vector("range_m", 2, 0.0, ORBIT_M[1]) if "range_m" in fields else None
     if span is not None and not 0.0 < span[0] <= span[1]:
         raise fields.refusal("range_m", "as nearest and farthest, m", span.tolist())
@@ -151,4 +149,3 @@ def read_expectations(path: Path) -> FlightExpectations:
 def _sigmas(path: Path) -> dict[str, float]:
     fields = Fields(read_toml(path), path)
     return {key: fields.number(key, 0.0, ORBIT_M[1]) for key in read_toml(path)}
-

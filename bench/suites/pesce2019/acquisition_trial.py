@@ -20,7 +20,6 @@ from bench.suites.pesce2019.synthetic_points import PointNoise, point_frame
 from bench.suites.units import Outcome
 from models.arrays import AnyArray, Floats
 from models.camera import camera_preset
-from models.estimate import PoseEstimate
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform
@@ -128,7 +127,7 @@ def _acquisition(task: AcquisitionTask, run: int) -> tuple[list[float], float]:
         began = time.process_time()
         estimate = pipeline.process(points)
         spent_s += time.process_time() - began
-        if isinstance(estimate.pose, PoseEstimate):
+        if estimate.pose is not None:
             found, truth = estimate.pose.cam_from_target, tumble.cam_from_target(now_s)
             moved_m, turned_deg = pose_error_sizes(found, truth)
             alike_deg = symmetric_attitude_deg(found, truth, knowledge.target.symmetries)
