@@ -6,6 +6,8 @@ lie on landmarks are named beside it. As printed: the image's corners go the pap
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
@@ -61,7 +63,10 @@ class ImagePoseFinder:
     ) -> None:
         self._knowledge = knowledge
         self._by_points = (
-            PointPoseFinder(knowledge, options) if options.variant == "paper" else None
+            # What an image shows is what the target does not hide.
+            PointPoseFinder(knowledge, replace(options, hidden_landmarks=True))
+            if options.variant == "paper"
+            else None
         )
         self._acquisition = acquisition or ImageAcquisitionOptions()
         self._tracking = tracking or ImageTrackingOptions()

@@ -192,9 +192,7 @@ class Uncooperative:
         if isinstance(frame, PointFrame):
             return self._points
         if self._images is None:
-            # What an image shows is what the target does not hide.
-            seen = replace(self._options, hidden_landmarks=True)
-            self._images = ImagePoseFinder(self._knowledge, seen)
+            self._images = ImagePoseFinder(self._knowledge, self._options)
         return self._images
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from models.frame import CHASER_ORBIT, IMAGE
 from models.onboard import OnboardKnowledge
 from pipelines.pipeline import RegisteredPipeline
-from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
 from pipelines.uncooperative.knowledge import NAME, UncooperativeKnowledge
 from pipelines.uncooperative.options import VARIANTS, options_for
 from pipelines.uncooperative.pipeline import Uncooperative
@@ -19,8 +18,7 @@ def make(onboard: OnboardKnowledge, variant: str) -> Uncooperative:
     DatasetError
         If the wireframe or the expectations are not on board.
     """
-    knowledge, options = UncooperativeKnowledge.of(onboard), options_for(variant)
-    return Uncooperative(knowledge, options, images=ImagePoseFinder(knowledge, options))
+    return Uncooperative(UncooperativeKnowledge.of(onboard), options_for(variant))
 
 
 PIPELINE = RegisteredPipeline(
