@@ -23,7 +23,7 @@ from models.dataset.image_dataset import (
 )
 from rich.console import Console
 
-from bench.estimating.navigators import OURS, navigator, options_text
+from bench.suites.pesce2019.navigators import OURS, navigator, options_text
 from bench.suites.pesce2019.plan import VARIANTS
 from bench.suites.spread import do_units
 from bench.suites.units import Outcome, WorkUnit, done_outcome

@@ -11,7 +11,7 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.estimating.navigators import options_text
+from bench.suites.pesce2019.navigators import options_text
 from bench.report.numbers import number
 from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.pesce2019.comparison import Compared, compared
