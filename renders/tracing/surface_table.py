@@ -66,7 +66,18 @@ class SurfaceTable:
         dr.make_opaque(list(vars(self).values()))
 
     def seen(self, si: Any, ray: Any, bands: Sequence[int], active: Any) -> SurfaceSeen:
-        """Return what surfaces are where rays met them."""
+        """Return what surfaces are where rays met them.
+
+        Parameters
+        ----------
+        si : SurfaceInteraction3f
+            Where rays met shapes.
+        ray : Ray3f
+        bands : sequence of int
+            Those of the three bands that are asked for.
+        active : Bool
+            Lanes that met something.
+        """
         number = dr.gather(
             mi.UInt32, self.numbers, dr.reinterpret_array(mi.UInt32, si.shape), active
         )
