@@ -136,7 +136,7 @@ def edge_image(image: Image, camera: Camera, detector: Detector | None, width: i
     image : (height, width) array, DN
     camera : Camera
     detector : Detector or None
-        What the noise is known from; None where it is not.
+        As calibrated: gives the least noise there can be, and what saturated means.
     width : int, px
     """
     pixels, small = reduced(image, camera, width)

@@ -84,7 +84,7 @@ def region_half_sizes_px(
     predicted : PredictedMarkers
     options : ChaserFixedOptions
     growth : float
-        Factor on the half sizes, such as after lost frames.
+        Factor on what is added to the disc's own image, more after lost frames.
     """
     sigma = np.sqrt(np.diagonal(predicted.covariance_px2, axis1=1, axis2=2))
     slack = growth * (options.region_sigmas * sigma + REGION_MARGIN_PX)
@@ -102,7 +102,7 @@ def marker_regions(
     predicted : PredictedMarkers
     options : ChaserFixedOptions
     growth : float
-        Factor on the half sizes, such as after lost frames.
+        Factor on what is added to the disc's own image, more after lost frames.
     """
     half = region_half_sizes_px(predicted, options, growth)
     regions = []

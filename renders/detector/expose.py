@@ -193,8 +193,7 @@ def exposure_rng(run: int, frame: int, band: int) -> np.random.Generator:
 
     Parameters
     ----------
-    run, frame : int
-    band : int
-        Number of the exposure within the frame.
+    run, frame, band : int
+        The band is 800 or 850, or another number that tells the exposures of a frame apart.
     """
     return np.random.default_rng(np.random.SeedSequence([run, frame, band]))
