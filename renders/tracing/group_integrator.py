@@ -8,7 +8,7 @@ that is rendered; how its samples are added up does not either: equal seeds give
 No path is ended by chance (Russian roulette): sixteen lanes walk the scene together, so that a dead
 lane saves little, and what it loses shows as noise. Shadow rays are: a light that would add little
 to what its path already brought is asked for by chance, in proportion, and then counts for more.
-Measured, not assumed; see docs/decisions.md.
+Measured, not assumed; see docs/measurements.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Surfaces as the one-pass kernel reads them: a table of numbers, and their lobes in closed form.
 
 One table and one formula serve every material, so that a kernel calls no function per material and
-light; docs/decisions.md tells what that saves. The same lobes are Mitsuba's ``diffuse``,
+light; docs/measurements.md tells what that saves. The same lobes are Mitsuba's ``diffuse``,
 ``roughconductor`` and ``blendbsdf``, against which they are tested.
 
 Sources: GGX and its Smith shadowing, Walter et al. 2007, equations 33 and 34; visible normals,
