@@ -1,4 +1,4 @@
-"""Decisions stay short: what, why, what it costs; their numbers stand beside, under their titles."""
+"""Decisions are short: what, why, what it costs; numbers stand beside, under their titles."""
 
 import re
 from pathlib import Path
