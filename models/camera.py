@@ -68,7 +68,14 @@ class Camera:
 
     @classmethod
     def from_fov(cls, width: int, height: int, fov_deg: float) -> Camera:
-        """Build an undistorted camera from its horizontal field of view, centred."""
+        """Build an undistorted camera from its horizontal field of view, centred.
+
+        Parameters
+        ----------
+        width, height : int, px
+        fov_deg : float, deg
+            From the left edge of the image to the right one, in (0, 180).
+        """
         if not 0.0 < fov_deg < 180.0:
             raise ScenarioError(f"camera: expected fov_deg between 0 and 180, got {fov_deg}")
         focal = float(0.5 * width / np.tan(np.deg2rad(0.5 * fov_deg)))

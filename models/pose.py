@@ -120,6 +120,10 @@ def rotation_from_euler_321(euler_deg: ArrayLike) -> Floats:
     euler_deg : (3,) array, deg
         (alpha, beta, gamma), turns about x, y and z.
 
+    Returns
+    -------
+    (3, 3) array
+
     References
     ----------
     Opromolla et al. 2022, equation 12, with its two misprinted signs put right.
@@ -144,7 +148,16 @@ def euler_321_from_rotation(rotation: ArrayLike) -> Floats:
 
 
 def wrapped_deg(angle_deg: ArrayLike) -> Floats:
-    """Bring angles in deg into [-180, 180)."""
+    """Bring angles in deg into [-180, 180).
+
+    Parameters
+    ----------
+    angle_deg : (...,) array, deg
+
+    Returns
+    -------
+    (...,) array, deg
+    """
     return (np.asarray(angle_deg, dtype=np.float64) + 180.0) % 360.0 - 180.0
 
 

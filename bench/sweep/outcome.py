@@ -64,7 +64,14 @@ def title(result: SweepResult) -> str:
 
 
 def rows_of(result: SweepResult, setting: Setting, pipeline: str) -> list[Row]:
-    """Return the rows of one map, a row for each Sun."""
+    """Return the rows of one map, a row for each Sun.
+
+    Parameters
+    ----------
+    result : SweepResult
+    setting : Setting
+    pipeline : str
+    """
     return [row for row in result.rows if row.pipeline == pipeline and setting_of(row) == setting]
 
 

@@ -106,6 +106,14 @@ class ShotRecord:
 def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> bool:
     """Take shots of one pose under one Sun, and keep what they came to in ``out/shots``.
 
+    Parameters
+    ----------
+    shots : sequence of Shot
+        At least one; all under the same light.
+    knowledge : FlightKnowledge
+    out : Path
+        The sweep's folder.
+
     Returns
     -------
     bool
@@ -125,7 +133,12 @@ def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> 
 
 
 def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
-    """Read what lights a shot, by band; None if an entry is absent or damaged."""
+    """Read what lights a shot, by band; None if an entry is absent or damaged.
+
+    Returns
+    -------
+    dict of int to dict of LightGroup to (height, width) arrays, W m-2 sr-1, or None
+    """
     world, store = World(shot.scenario), RadianceStore(shot.store)
     light = {}
     exposures = {exposure.band: exposure for exposure in world.exposures}
@@ -138,7 +151,14 @@ def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
 
 
 def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> Frame:
-    """Expose the pair: light is linear, so another lamp power is a factor."""
+    """Expose the pair: light is linear, so another lamp power is a factor.
+
+    Parameters
+    ----------
+    shot : Shot
+    light : mapping of int to mapping of LightGroup to (height, width) arrays, W m-2 sr-1
+        By band, as ``read_light`` gives it.
+    """
     world = World(shot.scenario)
     images: dict[int, Image] = {}
     for exposure in world.exposures:
@@ -186,7 +206,19 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
 
 
 def picture(image: Image, detector: Detector, width_px: int | None = None) -> NDArray[np.uint8]:
-    """Return a frame as grey levels, averaged down to ``width_px`` if it is wider."""
+    """Return a frame as grey levels, averaged down to ``width_px`` if it is wider.
+
+    Parameters
+    ----------
+    image : (height, width) array, DN
+    detector : Detector
+    width_px : int, px, optional
+        As wide as it is unless given.
+
+    Returns
+    -------
+    (height, width) uint8 array
+    """
     grey = stretch(image.astype(np.float64) - detector.bias_dn, detector)
     if width_px is not None and width_px < grey.shape[1]:
         height_px = round(grey.shape[0] * width_px / grey.shape[1])
@@ -195,7 +227,17 @@ def picture(image: Image, detector: Detector, width_px: int | None = None) -> ND
 
 
 def encoded_png(grey: NDArray[np.uint8]) -> bytes:
-    """Return grey levels as PNG."""
+    """Return grey levels as PNG.
+
+    Parameters
+    ----------
+    grey : (height, width) uint8 array
+
+    Raises
+    ------
+    DatasetError
+        If OpenCV refuses.
+    """
     ok, data = cv2.imencode(".png", grey)
     if not ok:
         raise DatasetError(f"expected OpenCV to encode an image of {grey.shape}, it refused")

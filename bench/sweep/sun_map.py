@@ -69,7 +69,14 @@ def on_sphere(azimuth_deg: float, elevation_deg: float) -> tuple[float, float]:
 
 
 def tiles(rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]) -> list[Tile] | None:
-    """Lay frames out on the sphere; None where directions are too near to each other for it."""
+    """Lay frames out on the sphere; None where directions are too near to each other for it.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    thumbnails : sequence of (height, width) uint8 arrays
+        One a row.
+    """
     places = np.array([on_sphere(row.azimuth_deg, row.elevation_deg) for row in rows])
     size_deg = min(TILE_SHARE * nearest_deg(places), LARGEST_TILE_DEG)
     if len(rows) * size_deg**2 < LEAST_COVERED * SPHERE_DEG2:
@@ -88,7 +95,14 @@ def nearest_deg(places: Floats) -> float:
 
 
 def tiles_in_rows(rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]) -> list[Tile]:
-    """Lay frames out in rows, in the order given, over the map's width."""
+    """Lay frames out in rows, in the order given, over the map's width.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    thumbnails : sequence of (height, width) uint8 arrays
+        One a row.
+    """
     columns = min(ROW_OF_TILES, len(rows))
     step = min(MAP_SPAN_DEG[0] / columns, 90.0)
     return [
@@ -132,7 +146,17 @@ def sun_map(
 def sun_map_figure(
     title: str, setting: Setting, rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]
 ) -> Figure:
-    """Return the map as a figure; its first axes hold one image for each direction."""
+    """Return the map as a figure; its first axes hold one image for each direction.
+
+    Parameters
+    ----------
+    title : str
+    setting : Setting
+    rows : sequence of Row
+        One for each direction, of one pipeline.
+    thumbnails : sequence of (height, width) uint8 arrays
+        One a row.
+    """
     placed = tiles(rows, thumbnails)
     laid = placed if placed is not None else tiles_in_rows(rows, thumbnails)
     half = 0.5 * laid[0].size_deg

@@ -127,7 +127,21 @@ def judged_row(
     markers: VisibleMarkers,
     saturated_percent: dict[int, float],
 ) -> Row:
-    """Hold one estimate against the truth."""
+    """Hold one estimate against the truth.
+
+    Parameters
+    ----------
+    sun : NamedSun
+    setting : Setting
+    pipeline : str
+    estimate : Estimate
+    truth : ExposureTruth
+        At the time of the estimate.
+    markers : VisibleMarkers
+        Which of them an image can show, under this Sun.
+    saturated_percent : dict of int to float
+        Of all pixels, at 800 and at 850 nm.
+    """
     judged = judge(estimate.detections, markers)
     expected, found = int(markers.expected.sum()), int(markers.expected[judged.found].sum())
     error = (

@@ -37,7 +37,15 @@ def reference_vectors(noise_in_target: Floats, R_lvlh_from_target: Floats) -> tu
 
 
 def residual(seen: Floats, expected: Floats, weights: Floats) -> Floats:
-    """Return ``r^R = -sum u_i (rhat_i x r_i)``, (3,), of vectors in target axes, one per row."""
+    """Return ``r^R = -sum u_i (rhat_i x r_i)``, (3,), of vectors in target axes.
+
+    Parameters
+    ----------
+    seen, expected : (k, 3) arrays
+        Unit vectors r_i as measured and rhat_i as the filter has them.
+    weights : (k,) array
+        u_i.
+    """
     products = expected.T @ (weights[:, None] * seen)
     cross = products - products.T  # of which each a b' - b a' is [b x a]x
     return np.array([cross[2, 1], cross[0, 2], cross[1, 0]])
@@ -47,6 +55,13 @@ def second_order_term(seen: Floats, expected: Floats, weights: Floats) -> Floats
     """Return the (3, 3) block ``E11 = -sum u_i ([rhat_i]x [r_i]x + [r_i]x [rhat_i]x) / 2``.
 
     With this minus sign it is, at no error, the information ``sum u_i (I - r_i r_i')``.
+
+    Parameters
+    ----------
+    seen, expected : (k, 3) arrays
+        Unit vectors r_i as measured and rhat_i as the filter has them, target axes.
+    weights : (k,) array
+        u_i.
     """
     products = expected.T @ (weights[:, None] * seen)
     return np.asarray(np.trace(products) * np.eye(3) - 0.5 * (products + products.T))

@@ -117,7 +117,18 @@ class RelativeNavigation:
         translation_covariance: Floats | None = None,
         rotation_covariance: Floats | None = None,
     ) -> FilteredState:
-        """Begin, or begin again, from a state; covariances default to the options' start sigmas."""
+        """Begin, or begin again, from a state; covariances default to the options' start sigmas.
+
+        Parameters
+        ----------
+        state : RelativeState
+        chaser : ChaserState
+            At the same time.
+        translation_covariance : (6, 6) array, m and m/s, optional
+            Of (rho, rho_dot), local frame.
+        rotation_covariance : (6, 6) array, rad and rad/s, optional
+            Of (turn, rate relative to the local frame), target axes.
+        """
         option = self._options
         self._time_s = state.time_s
         self._orbit = KeplerOrbit.from_state(chaser)

@@ -21,7 +21,16 @@ REWEIGHTINGS = 2
 def residuals_px(
     camera: Camera, markers: MarkerPattern, match: Match, pose: RigidTransform
 ) -> Floats:
-    """Return detected minus reprojected, (n, 2) px."""
+    """Return detected minus reprojected, (n, 2) px.
+
+    Parameters
+    ----------
+    camera : Camera
+    markers : MarkerPattern
+    match : Match
+    pose : RigidTransform
+        ``cam_from_target``.
+    """
     return match.points_px - camera.project(pose @ markers.points_in_target[match.marker])
 
 

@@ -171,7 +171,16 @@ def _tukey(residual: Floats, scale: float) -> Floats:
 
 
 def normal_jacobian(camera: Camera, pose: RigidTransform, samples: EdgeSamples) -> Floats:
-    """Return how samples move along their normals with the pose, (n, 6), px per rad and m."""
+    """Return how samples move along their normals with the pose, (n, 6), px per rad and m.
+
+    Parameters
+    ----------
+    camera : Camera
+    pose : RigidTransform
+        ``cam_from_target``.
+    samples : EdgeSamples
+        As they are seen from there.
+    """
     by_pose = jacobian_by_turn(pose.rotation, pose.translation, samples.points_in_target)
     by_pose = by_pose * np.array([camera.fx, camera.fy])[:, None]
     return np.asarray(np.einsum("ni,nij->nj", samples.normals_px, by_pose))

@@ -51,7 +51,12 @@ class EdgeSamples:
         return len(self.edge)
 
     def subset(self, keep: Mask | Indices) -> EdgeSamples:
-        """Return some of the samples."""
+        """Return some of the samples.
+
+        Parameters
+        ----------
+        keep : (n,) array of bool, or (k,) array of int
+        """
         return EdgeSamples(
             self.points_in_target[keep],
             self.points_px[keep],

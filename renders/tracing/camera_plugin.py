@@ -24,6 +24,12 @@ def undistorted(camera: Camera, x: Any, y: Any) -> tuple[Any, Any]:
     """Undo Brown-Conrady distortion on Dr.Jit or plain floats, by Newton's method.
 
     The same equations as ``Camera.undistort``, which works on arrays; a test holds them together.
+
+    Parameters
+    ----------
+    camera : Camera
+    x, y : Float or float
+        Distorted normalised image coordinates.
     """
     if not camera.distorted:
         return x, y
@@ -45,7 +51,14 @@ def undistorted(camera: Camera, x: Any, y: Any) -> tuple[Any, Any]:
 
 
 def ray_direction_in_cam(camera: Camera, u: Any, v: Any) -> Any:
-    """Return the unit direction, camera axes, through pixel (u, v); pixel centres are integers."""
+    """Return the unit direction, camera axes, through pixel (u, v); pixel centres are integers.
+
+    Parameters
+    ----------
+    camera : Camera
+    u, v : Float or float, px
+        Column and row.
+    """
     x, y = undistorted(camera, (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy)
     return dr.normalize(mi.Vector3f(x, y, 1.0))
 
@@ -62,7 +75,12 @@ def mitsuba_to_world(cam_from_target: RigidTransform) -> Any:
 def sensor_dict(camera: Camera, cam_from_target: RigidTransform, film: dict[str, Any]) -> Any:
     """Return a Mitsuba sensor for ``mi.load_dict``; bent rays where the camera distorts.
 
-    ``film`` may crop; its width and height must be the camera's.
+    Parameters
+    ----------
+    camera : Camera
+    cam_from_target : RigidTransform
+    film : dict
+        Mitsuba's film; it may crop, its width and height must be the camera's.
     """
     to_world = mitsuba_to_world(cam_from_target)
     if camera.distorted or camera.fx != camera.fy:

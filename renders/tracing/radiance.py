@@ -74,7 +74,14 @@ def tiled_pixels(width: int, height: int) -> AnyArray:
 def marker_windows(
     markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform
 ) -> list[Window]:
-    """Return the windows (left, top, width, height), px, that hold each marker's disc."""
+    """Return the windows (left, top, width, height), px, that hold each marker's disc.
+
+    Parameters
+    ----------
+    markers : MarkerPattern
+    camera : Camera
+    cam_from_target : RigidTransform
+    """
     windows = []
     in_cam = cam_from_target @ markers.points_in_target
     for (u, v), point in zip(camera.project(in_cam), in_cam, strict=True):
@@ -96,6 +103,14 @@ def marker_pixels(
 
     Only the latter need many samples: what a sample there meets is all or nothing. A pixel's ray
     is met with each disc's plane, and its distance from the outline counted in pixels.
+
+    Parameters
+    ----------
+    markers : MarkerPattern
+    camera : Camera
+    cam_from_target : RigidTransform
+    windows : list of (left, top, width, height), px
+        At least one.
 
     Returns
     -------

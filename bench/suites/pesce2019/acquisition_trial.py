@@ -66,7 +66,16 @@ class AcquisitionTask:
 
 
 def knowledge_of(case: Case, camera: str, sigma_px: float) -> UncooperativeKnowledge:
-    """Return what is on board in a suite on points: everything exactly, no range."""
+    """Return what is on board in a suite on points: everything exactly, no range.
+
+    Parameters
+    ----------
+    case : Case
+    camera : str
+        Name of a preset.
+    sigma_px : float, px
+        1 sigma of a corner on each axis.
+    """
     return UncooperativeKnowledge(
         camera=camera_preset(camera),
         target=wireframe_by_name(case.target),
@@ -107,7 +116,15 @@ def acquire(task: AcquisitionTask) -> Outcome:
 def symmetric_attitude_deg(
     estimate: RigidTransform, truth: RigidTransform, symmetries: Sequence[Floats]
 ) -> float:
-    """Return the attitude error up to the target's symmetries, deg."""
+    """Return the attitude error up to the target's symmetries, deg.
+
+    Parameters
+    ----------
+    estimate, truth : RigidTransform
+        ``cam_from_target``.
+    symmetries : sequence of (3, 3) arrays
+        As ``Wireframe`` has them.
+    """
     turns = np.array([truth.rotation @ own for own in (np.eye(3), *symmetries)])
     sizes = Rotation.from_matrix(estimate.rotation @ turns.swapaxes(1, 2)).magnitude()
     return float(np.rad2deg(np.min(sizes)))

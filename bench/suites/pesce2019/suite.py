@@ -56,7 +56,18 @@ def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
 
 
 def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFiles:
-    """Do what is missing of a plan and write its results; see ``run_suite``."""
+    """Do what is missing of a plan and write its results; see ``run_suite``.
+
+    Parameters
+    ----------
+    plan : Plan
+    out : Path
+        Folder of the results.
+    workers : int
+        Processes.
+    console : Console
+        For progress.
+    """
     folder = out / "units"
     do_units(plan.units(), folder, workers, console)
     outcomes = Outcomes(plan, folder)

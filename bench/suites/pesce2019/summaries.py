@@ -167,7 +167,12 @@ def stacked(outcomes: Sequence[Outcome], name: str) -> Floats:
 
 
 def root_mean_square(errors: AnyArray) -> float | None:
-    """Return the root mean square of what is not NaN; None of nothing."""
+    """Return the root mean square of what is not NaN; None of nothing.
+
+    Parameters
+    ----------
+    errors : (...,) array
+    """
     there = errors[np.isfinite(errors)]
     return float(np.sqrt(np.mean(there**2))) if there.size else None
 
