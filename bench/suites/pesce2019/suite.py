@@ -11,10 +11,10 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.suites.pesce2019.navigators import options_text
 from bench.report.numbers import number
 from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.pesce2019.comparison import Compared, compared
+from bench.suites.pesce2019.navigators import options_text
 from bench.suites.pesce2019.plan import CAMERA, PARTS, QUICK, RATE_HZ, VARIANTS, Plan, Sizes
 from bench.suites.pesce2019.results import Outcomes, Results
 from bench.suites.pesce2019.suite_page import write_suite_page
