@@ -127,10 +127,10 @@ def estimate(folder: Path, threads: int | None = None) -> list[Path]:
 def score(folder: Path) -> dict[str, Any]:
     """Score the estimates of a dataset into ``score.json``.
 
-    See ``bench.scoring.score`` for pairs and ``bench.scoring.tumble_score`` for single images.
+    See ``bench.scoring.score`` for pairs and ``bench.scoring.tumble.parts`` for single images.
     """
     if holds_images(folder):
-        from bench.scoring.tumble_score import score_tumble
+        from bench.scoring.tumble.parts import score_tumble
 
         return score_tumble(folder)
     from bench.scoring.score import score_dataset
@@ -144,7 +144,7 @@ def report(folder: Path) -> Path:
     Of single images see ``bench.uncooperative``.
     """
     if holds_images(folder):
-        from bench.report.tumble_page import write_tumble_report
+        from bench.report.tumble.page import write_tumble_report
 
         return write_tumble_report(folder)
     from bench.report.page import write_report

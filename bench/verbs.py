@@ -258,7 +258,7 @@ class Show:
 
     def run(self) -> int:
         """Draw and write the picture."""
-        from bench.pictures.show import write_frame, write_picture
+        from bench.pictures.pair_show import write_frame, write_picture
 
         name = f"{self.frame:06d}_{self.variant}.png"
         out = self.out or self.folder / "show" / name

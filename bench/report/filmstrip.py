@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.pictures.frame_records import FrameRecord, FrameRecords
-from bench.pictures.overlay import overlay
+from bench.pictures.frame_record import FrameRecord, FrameRecords
+from bench.pictures.marker_overlay import overlay
 
 MOST_FRAMES = 12
 FRAME_WIDTH_PX = 760

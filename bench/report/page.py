@@ -9,13 +9,13 @@ from typing import Any
 import jinja2
 
 from bench.estimating.runs import dataset_fingerprint
-from bench.pictures.frame_records import PREFERRED, FrameRecords
-from bench.pictures.overlay import LEGEND
+from bench.pictures.frame_record import PREFERRED, FrameRecords
+from bench.pictures.marker_overlay import LEGEND
 from bench.pictures.stretch import STRETCH
 from bench.report import figures, tables
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
 from bench.report.numbers import number
-from bench.report.published import published_case
+from bench.report.pairs.published import published_case
 from bench.report.scenario_tables import scenario_tables
 from bench.scoring.score import read_score
 from models.atomic_file import write_text

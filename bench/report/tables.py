@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bench.report.numbers import NONE, count, number, numbers, share
-from bench.report.published import PublishedCase
+from bench.report.pairs.published import PublishedCase
 
 Score = dict[str, Any]
 MOST_LISTED = 10

@@ -8,7 +8,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from bench.report.tumble_tables import check_table, headline_table
+from bench.report.tumble.tables import check_table, headline_table
 
 SHOWN = (
     "frames", "with a state", "lost", "position error, median", "position error, p95",

@@ -13,8 +13,8 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.pictures.frame_records import PREFERRED
-from bench.scoring.detections import visible_markers
+from bench.pictures.frame_record import PREFERRED
+from bench.scoring.pairs.detections import visible_markers
 from bench.sweep.folder import (
     PoseTruth,
     check_folder,

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from bench.scoring.detections import VisibleMarkers, judge
+from bench.scoring.pairs.detections import VisibleMarkers, judge
 from models.errors import DatasetError, cause
 from models.estimate import Estimate, PoseEstimate
 from models.lights.sun_grid import NamedSun
@@ -51,7 +51,7 @@ class Row:
         without; ``no pose``.
     expected, found, mismatched, used : int
         Markers that are truly whole, lit and in the image; those of them truly found; matches
-        that are not true; markers that the solver kept. See ``bench.scoring.detections``.
+        that are not true; markers that the solver kept. See ``bench.scoring.pairs.detections``.
     in_sun : int
         Markers that the Sun lights at least half.
     position_error_mm, attitude_error_deg : float or None, mm and deg

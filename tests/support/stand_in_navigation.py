@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.scoring.cramer_rao import pose_bound
+from bench.scoring.pairs.cramer_rao import pose_bound
 from models.estimate import Detections, Estimate, NoPose, PoseEstimate
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.scoring.navigation_errors import pose_error_sizes
+from bench.scoring.tumble.navigation_errors import pose_error_sizes
 from bench.suites.pesce2019.cases import Case, tumble_of
 from bench.suites.pesce2019.navigators import navigator
 from bench.suites.pesce2019.synthetic_points import PointNoise, point_frame

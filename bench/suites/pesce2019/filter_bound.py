@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
-from bench.scoring.cramer_rao import pose_bound
+from bench.scoring.pairs.cramer_rao import pose_bound
 from bench.suites.pesce2019.cases import Case, tumble_of
 from bench.suites.pesce2019.start_errors import StartErrors
 from bench.suites.units import Outcome

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from bench.scoring.navigation_errors import NavigationError, navigation_error
+from bench.scoring.tumble.navigation_errors import NavigationError, navigation_error
 from bench.suites.pesce2019.acquisition_trial import knowledge_of
 from bench.suites.pesce2019.cases import Case, tumble_of
 from bench.suites.pesce2019.navigators import navigator

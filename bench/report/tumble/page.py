@@ -10,18 +10,19 @@ import numpy as np
 from models.dataset.image_dataset import read_image_info
 
 from bench.estimating.runs import dataset_fingerprint
-from bench.pictures.frame_records import PREFERRED
+from bench.pictures.frame_record import PREFERRED
 from bench.pictures.image_records import ImageRecord, ImageRecords
 from bench.pictures.stretch import STRETCH
 from bench.pictures.wireframe_overlay import LEGEND, window_around, wireframe_overlay
-from bench.report import tumble_figures, tumble_tables
+from bench.report.tumble import figures as tumble_figures
+from bench.report.tumble import tables as tumble_tables
 from bench.report.figures import svg_address
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, chosen, jpeg
 from bench.report.numbers import count, number, share
 from bench.report.page import Card
 from bench.report.scenario_tables import scenario_tables
 from bench.report.tables import variants_of
-from bench.scoring.tumble_score import read_tumble_score
+from bench.scoring.tumble.parts import read_tumble_score
 from models.atomic_file import write_text
 from models.errors import DatasetError
 

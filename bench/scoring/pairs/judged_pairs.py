@@ -1,26 +1,34 @@
-"""Estimates held against the truth, frame by frame: what every number of the score is made of."""
+"""Estimates of image pairs held against the truth, frame by frame."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from bench.estimating.runs import Run
-from bench.scoring.centroids import CentroidErrors
-from bench.scoring.detections import JudgedDetections, VisibleMarkers, judge, visible_markers
+from bench.scoring import metrics
+from bench.scoring.judgement import Judgement, is_wrong
+from bench.scoring.limits import Limits, read_limits
+from bench.scoring.pairs.centroids import CentroidErrors
+from bench.scoring.pairs.detections import (
+    JudgedDetections,
+    VisibleMarkers,
+    judge,
+    visible_markers,
+)
 from models.camera import Camera
-from models.dataset.dataset import FrameEntry, read_frame_entries, read_knowledge
+from models.dataset.dataset import Dataset
+from models.dataset.frame_table import FrameEntry
+from models.dataset.marker_file import read_markers
 from models.errors import DatasetError
-from models.estimate import Estimate, PoseEstimate
+from models.estimate import Estimate
 from models.markers import MarkerPattern
 from models.pose import PoseError, pose_error
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.scenario.scenario import read_scenario
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
-
-SAME_INSTANT_S = 1e-6
 
 
 @dataclass(frozen=True)
@@ -53,75 +61,66 @@ class TrueDataset:
     camera : Camera
         As simulated, from ``truth/scenario.toml``; where there is none, as calibrated.
     pattern : MarkerPattern
+        As installed, from ``truth/markers.toml``; where there is none, as surveyed.
     frames : tuple of TrueFrame
         In time.
+    limits : Limits
     """
 
     camera: Camera
     pattern: MarkerPattern
     frames: tuple[TrueFrame, ...]
-
-    @property
-    def entries(self) -> list[FrameEntry]:
-        """The rows of ``frames.csv``."""
-        return [frame.entry for frame in self.frames]
+    limits: Limits
 
 
-@dataclass(frozen=True)
-class JudgedFrame:
+@dataclass(frozen=True, eq=False)
+class JudgedFrame(Judgement):
     """One estimate against the truth.
 
     Attributes
     ----------
-    run : int
     frame : TrueFrame
-    estimate : Estimate
     detections : JudgedDetections
     error : PoseError or None
         None without a pose.
     """
 
-    run: int
     frame: TrueFrame
-    estimate: Estimate
     detections: JudgedDetections
     error: PoseError | None
 
-    @property
-    def pose(self) -> PoseEstimate | None:
-        """The estimate, if it is one."""
-        return self.estimate if isinstance(self.estimate, PoseEstimate) else None
 
-    @property
-    def missed(self) -> bool:
-        """Whether there is no pose although four or more markers were whole."""
-        return self.error is None and self.frame.markers.enough
-
-
-def read_true_dataset(folder: Path) -> TrueDataset:
+def read_true_dataset(dataset: Dataset) -> TrueDataset:
     """Read the truth of a dataset's frames.
 
     Raises
     ------
     DatasetError
-        If the truth half is missing or lacks an exposure.
+        If the truth half is missing or lacks an exposure, or the markers on board are others.
     """
-    entries = read_frame_entries(folder)
+    folder = dataset.folder
     exposures = read_exposures(folder)
-    knowledge = read_knowledge(folder)
+    told = FlightKnowledge.of(dataset.onboard)
+    markers = folder / "truth" / "markers.toml"
+    pattern = read_markers(markers) if markers.is_file() else told.markers
     scenario = folder / "truth" / "scenario.toml"
-    camera = read_scenario(scenario).simulated_camera if scenario.is_file() else knowledge.camera
+    camera = read_scenario(scenario).simulated_camera if scenario.is_file() else told.camera
+    if len(pattern) != len(told.markers):
+        raise DatasetError(
+            f"{folder}/markers.toml: expected the {len(pattern)} markers that the target has, "
+            f"got {len(told.markers)}; the two halves are of different renders"
+        )
     frames = []
-    for entry in entries:
+    for entry in dataset.entries:
         truth = exposures.get((entry.index, 850))
         if truth is None:
             raise DatasetError(
                 f"{folder}/truth/exposures.jsonl: expected the 850 nm exposure of frame "
                 f"{entry.index}, found none; run the render again, it goes on where it stopped"
             )
-        if len(truth.markers_px) != len(knowledge.markers):
+        if len(truth.markers_px) != len(pattern):
             raise DatasetError(
-                f"{folder}/truth/exposures.jsonl: expected {len(knowledge.markers)} markers, as in "
+                f"{folder}/truth/exposures.jsonl: expected {len(pattern)} markers, as in "
                 f"markers.toml, got {len(truth.markers_px)} in frame {entry.index}; "
                 "the two halves are of different renders"
             )
@@ -129,11 +128,19 @@ def read_true_dataset(folder: Path) -> TrueDataset:
             TrueFrame(
                 entry=entry,
                 truth=truth,
-                markers=visible_markers(truth, camera, knowledge.markers),
+                markers=visible_markers(truth, camera, pattern),
                 range_m=float(np.linalg.norm(truth.cam_from_target.translation)),
             )
         )
-    return TrueDataset(camera, knowledge.markers, tuple(frames))
+    return TrueDataset(camera, pattern, tuple(frames), read_limits(folder))
+
+
+def true_poses(dataset: Dataset) -> dict[int, ExposureTruth]:
+    """Return the truth of each frame's 850 nm exposure; empty where there is no truth half."""
+    if not (dataset.folder / "truth" / "exposures.jsonl").is_file():
+        return {}
+    exposures = read_exposures(dataset.folder)
+    return {frame: truth for (frame, band), truth in exposures.items() if band == 850}
 
 
 def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
@@ -147,34 +154,38 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
     """
     judged = []
     for frame in dataset.frames:
-        estimate = run.estimates[frame.entry.index]
-        if abs(estimate.time_s - frame.truth.time_s) > SAME_INSTANT_S:
+        said = run.estimates[frame.entry.index]
+        highest = max(said.detected.marker, default=-1)
+        if highest >= len(dataset.pattern):
             raise DatasetError(
-                f"run {run.number}, frame {estimate.frame}: expected an estimate at "
-                f"{frame.truth.time_s} s, the middle of the 850 nm exposure, got one at "
-                f"{estimate.time_s} s; the frames have changed since: run the estimate again"
+                f"run {run.number}, frame {said.frame}: expected markers below "
+                f"{len(dataset.pattern)}, as many as markers.toml has, got {highest}; "
+                "run the estimate again"
             )
-        if max(estimate.detections.marker, default=-1) >= len(dataset.pattern):
-            raise DatasetError(
-                f"run {run.number}, frame {estimate.frame}: expected markers below "
-                f"{len(dataset.pattern)}, as many as markers.toml has, got "
-                f"{max(estimate.detections.marker)}; run the estimate again"
-            )
-        error = (
-            pose_error(estimate.cam_from_target, frame.truth.cam_from_target)
-            if isinstance(estimate, PoseEstimate)
-            else None
-        )
-        judged.append(
-            JudgedFrame(
-                run=run.number,
-                frame=frame,
-                estimate=estimate,
-                detections=judge(estimate.detections, frame.markers),
-                error=error,
-            )
-        )
+        judged.append(_judged(run.number, said, frame, dataset.limits))
     return judged
+
+
+def _judged(run: int, said: Estimate, frame: TrueFrame, limits: Limits) -> JudgedFrame:
+    error = position_m = attitude_deg = None
+    wrong = False
+    if said.pose is not None:
+        error = pose_error(said.pose.cam_from_target, frame.truth.cam_from_target)
+        position_m, attitude_deg = float(np.linalg.norm(error.position_m)), error.attitude_deg
+        square = metrics.frame_nees(said.pose, frame.truth.cam_from_target)
+        wrong = is_wrong(position_m, attitude_deg, ((square, metrics.POSE_DOF),), limits)
+    return JudgedFrame(
+        run=run,
+        estimate=said,
+        range_m=frame.range_m,
+        position_m=position_m,
+        attitude_deg=attitude_deg,
+        missed=error is None and frame.markers.enough,
+        wrong=wrong,
+        frame=frame,
+        detections=judge(said.detected, frame.markers),
+        error=error,
+    )
 
 
 def centroid_errors(judged: Iterable[JudgedFrame]) -> CentroidErrors:

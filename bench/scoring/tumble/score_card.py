@@ -1,20 +1,48 @@
-"""The shape of a tumble's ``score.json``: dataclasses whose fields are its keys."""
+"""The shape of what single images add to ``score.json``: dataclasses whose fields are its keys."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-FORMAT, VERSION = "rvbench-tumble-score", 1
+from bench.scoring.core_score import Sizes
 
 
 @dataclass(frozen=True)
-class Sizes:
-    """Median, 95th percentile and root mean square of error sizes; None of none."""
+class StateScore:
+    """The filtered state over the frames of run 0.
 
-    median: float | None
-    p95: float | None
-    rms: float | None
+    Attributes
+    ----------
+    with_state : int
+        Frames with one.
+    first_state : int or None
+        The frame of the first.
+    lost_share : float or None
+        Frames from there on whose image gave no pose, over all from there on.
+    modes : dict
+        Frames by mode.
+    position_m, attitude_deg, velocity_m_s, rate_deg_s : Sizes
+        Of the filtered state.
+    raw_position_m, raw_attitude_deg : Sizes
+        Of the image's own pose.
+    confusions : dict
+        Wrong attitudes by kind.
+    nees : dict
+        By filter: mean over 6, and the share of frames below the 95 % point.
+    """
+
+    with_state: int
+    first_state: int | None
+    lost_share: float | None
+    modes: dict[str, int]
+    position_m: Sizes
+    attitude_deg: Sizes
+    velocity_m_s: Sizes
+    rate_deg_s: Sizes
+    raw_position_m: Sizes
+    raw_attitude_deg: Sizes
+    confusions: dict[str, int]
+    nees: dict[str, dict[str, float | None]]
 
 
 @dataclass(frozen=True)
@@ -98,61 +126,3 @@ class Limit:
     poses: int
     position_m: float | None
     attitude_deg: float | None
-
-
-@dataclass(frozen=True)
-class TumbleVariant:
-    """One pipeline variant on one dataset.
-
-    Attributes
-    ----------
-    frames, with_state : int
-    first_state : int or None
-        The frame of the first state.
-    lost, lost_share : int and float
-        Frames from there on whose image gave no pose.
-    reasons : dict
-        Of all frames without a pose.
-    modes : dict
-    position_m, attitude_deg, velocity_m_s, rate_deg_s : Sizes
-        Of the filtered state.
-    raw_position_m, raw_attitude_deg : Sizes
-        Of the image's own pose.
-    wrong : int
-        States further than 1 m or 10 deg from the truth.
-    longest_wrong : int
-        Most of them in a row.
-    confusions : dict
-        Wrong attitudes by kind.
-    nees : dict
-        By filter: mean over 6, and the share of frames below the 95 % point.
-    corners : CornerScore
-    starts : StartsScore or None
-    limits : list of Limit
-    checks : list of dict
-        What was asked of this target, what was measured, and whether it holds.
-    per_frame : list of dict
-    """
-
-    frames: int
-    with_state: int
-    first_state: int | None
-    lost: int
-    lost_share: float | None
-    reasons: dict[str, int]
-    modes: dict[str, int]
-    position_m: Sizes
-    attitude_deg: Sizes
-    velocity_m_s: Sizes
-    rate_deg_s: Sizes
-    raw_position_m: Sizes
-    raw_attitude_deg: Sizes
-    wrong: int
-    longest_wrong: int
-    confusions: dict[str, int]
-    nees: dict[str, Any]
-    corners: CornerScore
-    starts: StartsScore | None
-    limits: list[Limit]
-    checks: list[dict[str, Any]]
-    per_frame: list[dict[str, Any]]

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.pictures.frame_records import FrameRecords
-from bench.pictures.overlay import DETECTION_RED, REPROJECTION_GREEN, TRUTH_CYAN, overlay
-from bench.pictures.show import show_frame
+from bench.pictures.frame_record import FrameRecords
+from bench.pictures.marker_overlay import DETECTION_RED, REPROJECTION_GREEN, TRUTH_CYAN, overlay
+from bench.pictures.pair_show import show_frame
 from bench.pictures.stretch import SOFTENING, stretch
 from models.errors import DatasetError
 from models.sensors.camera_chip import Detector

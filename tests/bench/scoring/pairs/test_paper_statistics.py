@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.scoring.paper_statistics import paper_statistics, temporal_statistics
+from bench.scoring.pairs.paper_statistics import paper_statistics, temporal_statistics
 from models.pose import PoseError
 
 

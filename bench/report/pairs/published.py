@@ -6,9 +6,9 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.scoring.paper_statistics import PoseStatistic
+from bench.scoring.pairs.paper_statistics import PoseStatistic
 
-REFERENCE = Path(__file__).resolve().parents[1] / "reference"
+REFERENCE = Path(__file__).resolve().parents[2] / "reference"
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.scoring.centroids import CentroidErrors, noise_at, summarise, temporal_std
+from bench.scoring.pairs.centroids import CentroidErrors, noise_at, summarise, temporal_std
 
 SIGMA_PX = np.array([0.05, 0.08])
 BIAS_PX = np.array([0.01, -0.02])

@@ -1,50 +1,82 @@
-"""One pipeline variant's score: all runs judged, bounded and summed up."""
+"""What image pairs add to a score: all runs judged, bounded and summed up, part by part."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
-from bench.estimating.runs import Run
-from bench.scoring import centroids, metrics
-from bench.scoring.cramer_rao import Efficiency, efficiency, pose_bound
-from bench.scoring.detections import detection_score
-from bench.scoring.judged_frames import JudgedFrame, TrueDataset, centroid_errors, judge_run
-from bench.scoring.paper_statistics import paper_statistics
-from bench.scoring.ranges import range_bins
-from bench.scoring.score_card import FrameScore, Lost, PooledScore, RangeScore, VariantScore
+from bench.scoring import metrics
+from bench.scoring.pairs import centroids
+from bench.scoring.pairs.cramer_rao import Efficiency, efficiency, pose_bound
+from bench.scoring.pairs.detections import DetectionScore, detection_score
+from bench.scoring.pairs.judged_pairs import JudgedFrame, TrueDataset, centroid_errors
+from bench.scoring.pairs.paper_statistics import PaperStatistics, paper_statistics
+from bench.scoring.pairs.ranges import range_bins
+from bench.scoring.pairs.score_card import Axes, CentroidScore, PairRow, RangeScore
 from models.arrays import Floats
 from models.pose import PoseError
 
+Runs = Sequence[Sequence[JudgedFrame]]
 
-def score_variant(runs: Sequence[Run], dataset: TrueDataset) -> VariantScore:
-    """Score one pipeline variant over its runs; the first is the headline."""
-    judged = [judge_run(run, dataset) for run in runs]
-    pooled = [each for run in judged for each in run]
-    headline = judged[0]
-    bounds = bounds_of(pooled, dataset)
-    errors = _errors(headline)
-    return VariantScore(
-        frames=len(headline),
-        estimated=len(errors),
-        lost=_lost(headline),
-        position_error_mm=metrics.position_error_mm(errors),
-        attitude_error_deg=metrics.attitude_error_deg(errors),
-        centroid_error_px=centroids.summarise(centroid_errors(headline)),
-        detection=detection_score([(each.detections, each.frame.markers) for each in headline]),
-        paper_statistics=paper_statistics([_errors_by_frame(run) for run in judged]),
-        efficiency=_efficiency(pooled, bounds),
-        nees=metrics.consistency([nees for each in pooled if (nees := _nees(each)) is not None]),
-        runtime_ms=metrics.runtime(list(runs[0].runtime_ms.values())),
-        pooled=_pooled(pooled, len(runs)),
-        per_range=_per_range(pooled, bounds),
-        per_frame=[
-            _frame_score(each, bound, dataset.pattern.names)
-            for each, bound in zip(headline, bounds[: len(headline)], strict=True)
-        ],
+
+def axes(judged: Runs, truth: TrueDataset, label: str) -> Axes:
+    """Summarise the pose errors axis by axis."""
+    return Axes(
+        metrics.axis_errors(_errors(judged[0])), metrics.axis_errors(_errors(_pooled(judged)))
     )
+
+
+def centroid_score(judged: Runs, truth: TrueDataset, label: str) -> CentroidScore:
+    """Summarise the centroid errors."""
+    return CentroidScore(
+        centroids.summarise(centroid_errors(judged[0])),
+        centroids.summarise(centroid_errors(_pooled(judged))),
+    )
+
+
+def detection(judged: Runs, truth: TrueDataset, label: str) -> DetectionScore:
+    """Count what was found, missed and mistaken in run 0."""
+    return detection_score([(each.detections, each.frame.markers) for each in judged[0]])
+
+
+def statistics(judged: Runs, truth: TrueDataset, label: str) -> PaperStatistics:
+    """Return equations 17 and 18 of the paper over the runs."""
+    return paper_statistics([_errors_by_frame(run) for run in judged])
+
+
+def efficiencies(judged: Runs, truth: TrueDataset, label: str) -> Efficiency:
+    """Return the errors over the bound, all runs together."""
+    pooled = _pooled(judged)
+    return _efficiency(pooled, bounds_of(pooled, truth))
+
+
+def nees(judged: Runs, truth: TrueDataset, label: str) -> metrics.Nees:
+    """Hold what the pipeline states against its errors, all runs together."""
+    squares = [square for each in _pooled(judged) if (square := _nees(each)) is not None]
+    return metrics.consistency(squares)
+
+
+def per_range(judged: Runs, truth: TrueDataset, label: str) -> list[RangeScore]:
+    """Summarise by range, all runs together."""
+    pooled = _pooled(judged)
+    return _per_range(pooled, bounds_of(pooled, truth))
+
+
+def frame_rows(judged: Runs, truth: TrueDataset) -> list[dict[str, Any]]:
+    """Return what image pairs add to each frame of run 0."""
+    bounds = bounds_of(_pooled(judged), truth)
+    own = judged[0]
+    return [
+        asdict(_row(each, bound, truth.pattern.names))
+        for each, bound in zip(own, bounds[: len(own)], strict=True)
+    ]
+
+
+def _pooled(judged: Runs) -> list[JudgedFrame]:
+    return [each for run in judged for each in run]
 
 
 def bounds_of(judged: Sequence[JudgedFrame], dataset: TrueDataset) -> list[Floats | None]:
@@ -86,9 +118,9 @@ def _errors_by_frame(judged: Sequence[JudgedFrame]) -> dict[int, PoseError]:
 
 
 def _nees(judged: JudgedFrame) -> float | None:
-    if judged.pose is None:
+    if judged.estimate.pose is None:
         return None
-    return metrics.frame_nees(judged.pose, judged.frame.truth.cam_from_target)
+    return metrics.frame_nees(judged.estimate.pose, judged.frame.truth.cam_from_target)
 
 
 def _efficiency(judged: Sequence[JudgedFrame], bounds: Sequence[Floats | None]) -> Efficiency:
@@ -98,30 +130,6 @@ def _efficiency(judged: Sequence[JudgedFrame], bounds: Sequence[Floats | None]) 
         if each.error is not None
     ]
     return efficiency([error for error, _ in pairs], [bound for _, bound in pairs])
-
-
-def _lost(judged: Sequence[JudgedFrame]) -> Lost:
-    lost = [each for each in judged if each.pose is None]
-    reasons = Counter(getattr(each.estimate, "reason", "") for each in lost)
-    return Lost(
-        count=len(lost),
-        missed=sum(each.missed for each in lost),
-        reasons=dict(sorted(reasons.items(), key=lambda item: (-item[1], item[0]))),
-        frames=[each.estimate.frame for each in lost],
-    )
-
-
-def _pooled(judged: Sequence[JudgedFrame], runs: int) -> PooledScore:
-    errors = _errors(judged)
-    return PooledScore(
-        runs=runs,
-        frames=len(judged),
-        estimated=len(errors),
-        missed=sum(each.missed for each in judged),
-        position_error_mm=metrics.position_error_mm(errors),
-        attitude_error_deg=metrics.attitude_error_deg(errors),
-        centroid_error_px=centroids.summarise(centroid_errors(judged)),
-    )
 
 
 def _per_range(judged: Sequence[JudgedFrame], bounds: Sequence[Floats | None]) -> list[RangeScore]:
@@ -158,9 +166,13 @@ def _range_score(
     )
 
 
-def _frame_score(judged: JudgedFrame, bound: Floats | None, names: tuple[str, ...]) -> FrameScore:
-    error, pose, found = judged.error, judged.pose, judged.detections
-    stated = None if pose is None else np.sqrt(np.maximum(np.diag(pose.covariance), 0.0))
+def _row(judged: JudgedFrame, bound: Floats | None, names: tuple[str, ...]) -> PairRow:
+    error, pose, found = judged.error, judged.estimate.pose, judged.detections
+    stated = (
+        None
+        if pose is None or pose.covariance is None
+        else np.sqrt(np.maximum(np.diag(pose.covariance), 0.0))
+    )
     smallest = None if bound is None else np.sqrt(np.diag(bound))
     kept = found.true & found.used
     kept_px = found.error_px[kept]
@@ -170,16 +182,10 @@ def _frame_score(judged: JudgedFrame, bound: Floats | None, names: tuple[str, ..
             zip(found.marker[kept].tolist(), kept_px, strict=True), key=lambda item: item[0]
         )
     }
-    return FrameScore(
-        frame=judged.estimate.frame,
-        time_s=judged.estimate.time_s,
-        range_m=judged.frame.range_m,
-        reason=getattr(judged.estimate, "reason", None),
-        missed=judged.missed,
+    return PairRow(
         position_mm=None if error is None else (1e3 * error.position_m).tolist(),
         euler_deg=None if error is None else error.euler_deg.tolist(),
         rotation_vector_deg=None if error is None else error.rotation_vector_deg.tolist(),
-        attitude_deg=None if error is None else error.attitude_deg,
         sigma_position_mm=_in_mm(stated),
         sigma_rotation_deg=_in_deg(stated),
         bound_position_mm=_in_mm(smallest),

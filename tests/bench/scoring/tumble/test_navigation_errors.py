@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from bench.scoring.navigation_errors import (
+from bench.scoring.tumble.navigation_errors import (
     innovation_nis,
     navigation_error,
     normalised_square,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.scoring.detections import detection_score, judge, visible_markers
+from bench.scoring.pairs.detections import detection_score, judge, visible_markers
 from models.camera import camera_preset
 from models.estimate import Detections
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS

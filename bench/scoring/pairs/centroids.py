@@ -1,6 +1,6 @@
 """Centroid errors: their bias and noise, over a run, along the range, and from run to run.
 
-An error is a true detection (``bench.scoring.detections``) that the solver kept, minus the
+An error is a true detection (``bench.scoring.pairs.detections``) that the solver kept, minus the
 projected centre of its marker with the true pose and camera; what a pipeline itself rejects it
 does not measure. A pipeline that corrects for the perspective of a circle reports the corrected
 point, so one truth serves all.

@@ -1,50 +1,28 @@
-"""The shape of ``score.json``: dataclasses whose fields are its keys."""
+"""The shape of what image pairs add to ``score.json``: dataclasses whose fields are its keys."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bench.scoring.centroids import Centroids
-from bench.scoring.cramer_rao import Efficiency
-from bench.scoring.detections import DetectionScore
-from bench.scoring.metrics import AttitudeError, Nees, PositionError, Runtime
-from bench.scoring.paper_statistics import PaperStatistics
-
-SCORE_FORMAT = "rvbench-score"
-SCORE_VERSION = 1
+from bench.scoring.metrics import AxisErrors
+from bench.scoring.pairs.centroids import Centroids
+from bench.scoring.pairs.cramer_rao import Efficiency
 
 
 @dataclass(frozen=True)
-class Lost:
-    """Frames without a pose.
+class Axes:
+    """Pose errors axis by axis, of run 0 and of all runs together."""
 
-    Attributes
-    ----------
-    count : int
-    missed : int
-        Those in which four or more markers were whole: lit, visible and within the image.
-    reasons : dict
-        The pipeline's words, and how often.
-    frames : list of int
-    """
-
-    count: int
-    missed: int
-    reasons: dict[str, int]
-    frames: list[int]
+    run_0: AxisErrors
+    pooled: AxisErrors
 
 
 @dataclass(frozen=True)
-class PooledScore:
-    """The headline numbers over all runs together."""
+class CentroidScore:
+    """Centroid errors, px, of run 0 and of all runs together."""
 
-    runs: int
-    frames: int
-    estimated: int
-    missed: int
-    position_error_mm: PositionError
-    attitude_error_deg: AttitudeError
-    centroid_error_px: Centroids
+    run_0: Centroids
+    pooled: Centroids
 
 
 @dataclass(frozen=True)
@@ -79,19 +57,13 @@ class RangeScore:
 
 
 @dataclass(frozen=True)
-class FrameScore:
-    """One frame of run 0.
+class PairRow:
+    """What image pairs add to one frame of run 0.
 
     Attributes
     ----------
-    frame : int
-    time_s, range_m : float
-    reason : str or None
-        Why there is no pose; None if there is one.
-    missed : bool
     position_mm, euler_deg, rotation_vector_deg : list of 3 floats
         Estimate minus truth.
-    attitude_deg : float
     sigma_position_mm, sigma_rotation_deg : list of 3 floats
         1-sigma that the pipeline states, camera axes.
     bound_position_mm, bound_rotation_deg : list of 3 floats
@@ -106,15 +78,9 @@ class FrameScore:
         By marker name.
     """
 
-    frame: int
-    time_s: float
-    range_m: float
-    reason: str | None
-    missed: bool
     position_mm: list[float] | None
     euler_deg: list[float] | None
     rotation_vector_deg: list[float] | None
-    attitude_deg: float | None
     sigma_position_mm: list[float] | None
     sigma_rotation_deg: list[float] | None
     bound_position_mm: list[float] | None
@@ -127,40 +93,3 @@ class FrameScore:
     centroid_mean_px: list[float] | None
     centroid_std_px: list[float] | None
     centroid_error_px: dict[str, list[float]]
-
-
-@dataclass(frozen=True)
-class VariantScore:
-    """One pipeline variant on one dataset.
-
-    Errors and detections are of run 0; statistics, efficiency, NEES and ranges pool all runs.
-    """
-
-    frames: int
-    estimated: int
-    lost: Lost
-    position_error_mm: PositionError
-    attitude_error_deg: AttitudeError
-    centroid_error_px: Centroids
-    detection: DetectionScore
-    paper_statistics: PaperStatistics
-    efficiency: Efficiency
-    nees: Nees
-    runtime_ms: Runtime
-    pooled: PooledScore
-    per_range: list[RangeScore]
-    per_frame: list[FrameScore]
-
-
-@dataclass(frozen=True)
-class Score:
-    """The whole of ``score.json``."""
-
-    format: str
-    version: int
-    case: str
-    sun: str
-    target: str
-    frames: int
-    runs: int
-    pipelines: dict[str, VariantScore]

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from models.uncooperative import NavigationEstimate
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
-from models.estimate import PoseEstimate
-from models.motion.relative_state import RelativeState
+from models.estimate import Estimate
+from models.motion.relative_state import ROTATION, TRANSLATION, RelativeState, relative_state
 from models.pose import RigidTransform
 
 NONE = float("nan")
@@ -58,18 +57,20 @@ class NavigationError:
 
 
 def navigation_error(
-    estimate: NavigationEstimate, truth: RelativeState, cam_from_lvlh: RigidTransform
+    estimate: Estimate, truth: RelativeState, cam_from_lvlh: RigidTransform
 ) -> NavigationError:
     """Hold one estimate against the truth of its instant."""
     raw_position, raw_attitude = NONE, NONE
-    if isinstance(estimate.pose, PoseEstimate):
+    if estimate.pose is not None:
         raw_position, raw_attitude = pose_error_sizes(
             estimate.pose.cam_from_target, truth.cam_from_target(cam_from_lvlh)
         )
-    if estimate.state is None:
+    state = relative_state(estimate)
+    if state is None:
         return NavigationError(raw_position, raw_attitude, *([NONE] * 10))
-    translation = translation_error(estimate.state, truth)
-    rotation = rotation_error(estimate.state, truth)
+    translation = translation_error(state, truth)
+    rotation = rotation_error(state, truth)
+    stated = estimate.states[TRANSLATION].covariance, estimate.states[ROTATION].covariance
     nis = innovation_nis(estimate, cam_from_lvlh)
     return NavigationError(
         raw_position,
@@ -78,10 +79,10 @@ def navigation_error(
         float(np.rad2deg(np.linalg.norm(rotation[:3]))),
         float(np.linalg.norm(translation[3:])),
         float(np.rad2deg(np.linalg.norm(rotation[3:]))),
-        _root_trace(estimate.translation_covariance),
-        float(np.rad2deg(_root_trace(estimate.rotation_covariance))),
-        normalised_square(translation, estimate.translation_covariance),
-        normalised_square(rotation, estimate.rotation_covariance),
+        _root_trace(stated[0]),
+        float(np.rad2deg(_root_trace(stated[1]))),
+        normalised_square(translation, stated[0]),
+        normalised_square(rotation, stated[1]),
         *nis,
     )
 
@@ -113,9 +114,7 @@ def rotation_error(state: RelativeState, truth: RelativeState) -> Floats:
     return np.concatenate([turn, rate])
 
 
-def innovation_nis(
-    estimate: NavigationEstimate, cam_from_lvlh: RigidTransform
-) -> tuple[float, float]:
+def innovation_nis(estimate: Estimate, cam_from_lvlh: RigidTransform) -> tuple[float, float]:
     """Return the NIS of translation and of rotation, from what stands in the estimate alone.
 
     A filter that has taken a measurement z of covariance R leaves a residual ``z - H x`` of
@@ -124,10 +123,12 @@ def innovation_nis(
     (Bar-Shalom, Li and Kirubarajan 2001, section 5.2: residual ``= R S^-1 innovation``). NaN where
     there was no pose to take, or the pose's covariance is not what the filter took for it.
     """
-    pose, state = estimate.pose, estimate.state
-    if not isinstance(pose, PoseEstimate) or state is None or estimate.mode == "predicted":
+    pose, state = estimate.pose, relative_state(estimate)
+    if pose is None or pose.covariance is None or state is None or estimate.mode == "predicted":
         return NONE, NONE
-    if estimate.translation_covariance is None or estimate.rotation_covariance is None:
+    translation = estimate.states[TRANSLATION].covariance
+    rotation = estimate.states[ROTATION].covariance
+    if translation is None or rotation is None:
         return NONE, NONE
     lvlh_from_target = cam_from_lvlh.inverse() @ pose.cam_from_target
     R_lvlh_from_cam = cam_from_lvlh.rotation.T
@@ -137,8 +138,8 @@ def innovation_nis(
     position = R_lvlh_from_cam @ pose.covariance[3:, 3:] @ R_lvlh_from_cam.T
     attitude = R_target_from_cam @ pose.covariance[:3, :3] @ R_target_from_cam.T
     return (
-        normalised_square(moved, position - estimate.translation_covariance[:3, :3]),
-        normalised_square(turned.as_rotvec(), attitude - estimate.rotation_covariance[:3, :3]),
+        normalised_square(moved, position - translation[:3, :3]),
+        normalised_square(turned.as_rotvec(), attitude - rotation[:3, :3]),
     )
 
 

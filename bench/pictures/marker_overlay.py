@@ -2,7 +2,7 @@
 
 Seen whole, the three lie within a pixel of each other, so they are drawn round one another: a red
 circle for a detection, a green diamond for the reprojection with the estimated pose, four cyan
-ticks for the truth. ``bench.pictures.show`` draws the pixels themselves.
+ticks for the truth. ``bench.pictures.pair_show`` draws the pixels themselves.
 """
 
 from __future__ import annotations
@@ -13,9 +13,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.pictures.frame_records import FrameRecord
+from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import stretch
+from bench.report.numbers import number, numbers
 from models.arrays import AnyArray, Floats
+from models.frame import IMAGE_850
+from models.markers import MarkerPattern
+from models.onboard import needed
+from models.pose import pose_error
 
 DETECTION_RED = (255, 77, 64)
 LEFT_OUT_RED = (150, 62, 56)
@@ -46,9 +51,9 @@ def overlay(
     (height, width_px, 3) uint8 array
         RGB.
     """
-    detector = record.knowledge.detector
+    detector = record.onboard.detector
     if signal_dn is None:
-        signal_dn = record.frame.image_850.astype(np.float64) - detector.bias_dn
+        signal_dn = record.image(IMAGE_850).astype(np.float64) - detector.bias_dn
     scale = width_px / signal_dn.shape[1]
     grey = stretch(signal_dn, detector)
     height_px = round(signal_dn.shape[0] * scale)
@@ -57,6 +62,35 @@ def overlay(
     picture = np.repeat(np.rint(255.0 * small).astype(np.uint8)[:, :, None], 3, axis=2)
     _draw_marks(picture, record, scale)
     return picture
+
+
+def markers_of(record: FrameRecord) -> MarkerPattern:
+    """Return the target's markers as surveyed."""
+    return needed(record.onboard.markers, "markers.toml", "pictures of pairs")
+
+
+def reprojections_px(record: FrameRecord) -> Floats | None:
+    """Return the markers' centres by the estimated pose, (n, 2), px; None without one."""
+    if record.estimate is None or record.estimate.pose is None:
+        return None
+    pose = record.estimate.pose.cam_from_target
+    return record.onboard.camera.project(pose @ markers_of(record).points_in_target)
+
+
+def verdict(record: FrameRecord) -> str:
+    """Say in one line the pose error, or why there is no pose."""
+    said = record.estimate
+    if said is None:
+        return "not estimated"
+    if said.pose is None:
+        return f"no pose: {said.reason}"
+    if record.truth is None:
+        told = f"pose from {sum(said.detected.used)} markers"
+        residual = said.pose.residual_rms_px
+        return told if residual is None else f"{told}, residual {residual:.3f} px rms"
+    error = pose_error(said.pose.cam_from_target, record.truth.cam_from_target)
+    x, y, z = numbers((1e3 * error.position_m).tolist(), signed=True)
+    return f"position error {x}, {y}, {z} mm; attitude {number(error.attitude_deg)} deg"
 
 
 def _draw_marks(picture: NDArray[np.uint8], record: FrameRecord, scale: float) -> None:
@@ -69,15 +103,15 @@ def _draw_marks(picture: NDArray[np.uint8], record: FrameRecord, scale: float) -
         for index, pixel in enumerate(record.truth.markers_px):
             if record.truth.visible[index] > 0.0 and np.isfinite(pixel).all():
                 _ticks(picture, at(pixel), 1.7 * reach, 2.3 * reach, TRUTH_CYAN)
-    reprojections = record.reprojections_px
+    reprojections = reprojections_px(record)
     if reprojections is not None:
-        names = record.knowledge.markers.names
-        inside = record.knowledge.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
+        names = markers_of(record).names
+        inside = record.onboard.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
         for name, pixel in zip(np.array(names)[inside], reprojections[inside], strict=True):
             _diamond(picture, at(pixel), 1.55 * reach, REPROJECTION_GREEN)
             _label(picture, str(name), at(pixel) + np.array([1.6, -1.3]) * reach)
     if record.estimate is not None:
-        found = record.estimate.detections
+        found = record.estimate.detected
         for pixel, marker in zip(found.points_px, found.marker, strict=True):
             colour = DETECTION_RED if marker >= 0 else LEFT_OUT_RED
             _circle(picture, at(pixel), (0.9 if marker >= 0 else 0.6) * reach, colour)
