@@ -18,6 +18,7 @@ if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
     from bench.estimating.runs import Run
     from bench.pictures.frame_record import FrameRecord
     from bench.report.parts import ReportInput, ReportParts
+    from bench.report.table import Table
     from bench.scoring.judgement import Judgement
 
 
@@ -78,6 +79,8 @@ class Chain:
         ``frame_rows(judged, truth)``: what it adds to each frame of run 0 in ``per_frame``.
     report : callable
         ``report(given)``: what it adds to the report's page.
+    headline : callable
+        ``headline(score)``: the table that compares the pipelines.
     picture : callable
         ``picture(record, width_px)``: a frame with its marks, RGB.
     show : callable
@@ -100,6 +103,7 @@ class Chain:
     parts: tuple[ScorePart, ...]
     frame_rows: Callable[[Sequence[Sequence[Any]], Any], list[dict[str, Any]]]
     report: Callable[[ReportInput], ReportParts]
+    headline: Callable[[dict[str, Any]], Table]
     picture: Callable[[FrameRecord, int], NDArray[uint8]]
     show: Callable[[FrameRecord], NDArray[uint8]]
     verdict: Callable[[FrameRecord], str]

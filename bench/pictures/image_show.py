@@ -7,9 +7,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bench.chains.tumble_images import CHAIN
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import STRETCH
-from bench.pictures.wireframe_overlay import LEGEND, verdict, window_around, wireframe_overlay
+from bench.pictures.wireframe_overlay import verdict, window_around, wireframe_overlay
 
 PANEL_PX, DPI = 950, 100
 INK, PAPER, DIM = "#e8e8e8", "#15181c", "#9aa2ab"
@@ -47,4 +48,4 @@ def _write_heading(figure: Figure, record: FrameRecord) -> None:
     told = f"{record.variant}: {verdict(record)}" if record.variant else verdict(record)
     figure.text(0.015, 0.965, "   ".join(words), color=INK, fontsize=15, weight="bold", va="center")
     figure.text(0.015, 0.935, told, color=INK, fontsize=12, va="center")
-    figure.text(0.015, 0.015, f"{LEGEND}. {STRETCH}.", color=DIM, fontsize=9, va="center")
+    figure.text(0.015, 0.015, f"{CHAIN.legend}. {STRETCH}.", color=DIM, fontsize=9, va="center")

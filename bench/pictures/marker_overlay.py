@@ -26,10 +26,6 @@ DETECTION_RED = (255, 77, 64)
 LEFT_OUT_RED = (150, 62, 56)
 REPROJECTION_GREEN = (74, 222, 96)
 TRUTH_CYAN = (70, 214, 255)
-LEGEND = (
-    "red circle: detected (small and dim: matched to no marker); green diamond: reprojected; "
-    "cyan ticks: truth"
-)
 SUBPIXEL_BITS = 4
 
 

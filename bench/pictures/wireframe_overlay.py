@@ -29,10 +29,6 @@ ESTIMATE_GREEN = (74, 222, 96)
 TRUTH_CYAN = (70, 214, 255)
 CORNER_RED = (255, 77, 64)
 LEFT_OUT_RED = (150, 62, 56)
-LEGEND = (
-    "green: the wireframe at the estimated pose; cyan: at the true one, where they differ; "
-    "red circle: detected corner (dim: matched to no landmark)"
-)
 PIECES = 33  # of an edge, each seen or not
 SUBPIXEL_BITS = 4
 MARGIN = 0.12  # around the target in a close view, as a share of its picture
@@ -73,6 +69,13 @@ def wireframe_overlay(
         for pixel, landmark in zip(found.points_px, found.marker, strict=True):
             canvas.circle(pixel, CORNER_RED if landmark >= 0 else LEFT_OUT_RED)
     return canvas.picture
+
+
+def close_view(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
+    """Return the part of a frame that holds the target, marked; all of it where nobody knows."""
+    pose = record.best_known_pose
+    window = None if pose is None else window_around(record.onboard, pose)
+    return wireframe_overlay(record, width_px, window=window)
 
 
 def wireframe_of(onboard: OnboardKnowledge) -> Wireframe:
@@ -143,8 +146,8 @@ class _Canvas:
         pixels = camera.project(cam_from_target @ flat).reshape(*pieces.visible.shape, 2)
         seen = pieces.visible & np.isfinite(pixels).all(axis=2)
         for line, shown in zip(pixels, seen, strict=True):
-            for number in np.flatnonzero(shown[:-1] & shown[1:]):
-                self._line(line[number], line[number + 1], colour)
+            for place in np.flatnonzero(shown[:-1] & shown[1:]):
+                self._line(line[place], line[place + 1], colour)
 
     def circle(self, pixel: Floats, colour: Colour) -> None:
         radius = max(3.0, 0.006 * self.picture.shape[1])

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from bench.report.figures import COLOURS, OTHER, drawn_svg
-from bench.report.tables import variants_of
+from bench.report.plot import OTHER, colour_of, drawn_svg
+from bench.scoring.score import shown_labels
 from models.arrays import Floats
 
 Score = dict[str, Any]
@@ -18,7 +18,7 @@ def error_figure(score: Score) -> str:
     """Draw the errors of the filtered state and of the image's own pose, with what is stated."""
 
     def draw(figure: Figure) -> None:
-        variants = variants_of(score)
+        variants = list(shown_labels(score))
         axes = figure.subplots(2, len(variants), sharex=True, sharey="row", squeeze=False)
         rows = (
             ("position_m", "raw_position_m", "sigma_position_m", "position error, m"),
@@ -29,7 +29,7 @@ def error_figure(score: Score) -> str:
             time_s = np.array([frame["time_s"] for frame in frames])
             for row, (filtered, raw, stated, what) in enumerate(rows):
                 panel = axes[row][column]
-                colour = COLOURS.get(variant, OTHER)
+                colour = colour_of(variant, list(shown_labels(score)))
                 panel.plot(
                     time_s, _errors(frames, raw), ".", color=OTHER, ms=3.0, label="pose alone"
                 )
@@ -88,7 +88,7 @@ def corner_figure(score: Score, variant: str) -> str:
             time_s,
             counted["found"],
             where="mid",
-            color=COLOURS.get(variant, OTHER),
+            color=colour_of(variant, list(shown_labels(score))),
             lw=1.4,
             label="found within 3 px",
         )

@@ -1,133 +1,52 @@
-"""The report of a run on rendered frames: one HTML file, everything in it, nothing fetched."""
+"""What single images of a free target add to the report."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-import jinja2
-import numpy as np
-from models.dataset.image_dataset import read_image_info
-
-from bench.estimating.runs import dataset_fingerprint
-from bench.pictures.frame_record import PREFERRED
-from bench.pictures.image_records import ImageRecord, ImageRecords
-from bench.pictures.stretch import STRETCH
-from bench.pictures.wireframe_overlay import LEGEND, window_around, wireframe_overlay
-from bench.report.tumble import figures as tumble_figures
-from bench.report.tumble import tables as tumble_tables
-from bench.report.figures import svg_address
-from bench.report.filmstrip import HERO_WIDTH_PX, Picture, chosen, jpeg
-from bench.report.numbers import count, number, share
-from bench.report.page import Card
-from bench.report.scenario_tables import scenario_tables
-from bench.report.tables import variants_of
-from bench.scoring.tumble.parts import read_tumble_score
-from models.atomic_file import write_text
-from models.errors import DatasetError
-
-TEMPLATE = "tumble_page.html.jinja"
-STYLES = Path(__file__).parent.parent / "report"
-FRAME_WIDTH_PX = 620
+from bench.pictures.wireframe_overlay import wireframe_of
+from bench.report.numbers import number, share
+from bench.report.parts import Card, Figure, ReportInput, ReportParts, Section, TitledTable
+from bench.report.plot import svg_address
+from bench.report.table import length
+from bench.report.tumble import figures, tables
+from bench.scoring.score import shown_labels
 
 
-def write_tumble_report(folder: Path) -> Path:
-    """Write ``report.html`` of a scored dataset of single images.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    DatasetError
-        If the dataset or its score is missing, or an image cannot be read.
-    """
-    score = read_tumble_score(folder)
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader([Path(__file__).parent, STYLES]),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+def report(given: ReportInput) -> ReportParts:
+    """Return the page's parts."""
+    score, rows = given.score, given.headline["per_frame"]
+    camera, target = given.records.onboard.camera, wireframe_of(given.records.onboard)
+    judged = sorted(
+        (row for row in rows if row["attitude_error_deg"] is not None),
+        key=lambda row: row["attitude_error_deg"],
     )
-    path = folder / "report.html"
-    write_text(path, environment.get_template(TEMPLATE).render(_context(folder, score)))
-    return path
-
-
-def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
-    variants = variants_of(score)
-    variant = PREFERRED if PREFERRED in variants else variants[0]
-    records = ImageRecords(folder, variant)
-    headline = score["pipelines"][variant]
-    if [row["frame"] for row in headline["per_frame"]] != list(records.entries):
-        raise DatasetError(
-            f"{folder}/score.json: expected a score of the {len(records.entries)} frames that "
-            f"{folder}/frames.csv lists, got one of {len(headline['per_frame'])} others; "
-            f"run `rvbench estimate {folder}`, then `rvbench score {folder}`"
-        )
-    missed = [row["frame"] for row in headline["per_frame"] if row["wrong"] or row["reason"]]
-    frames = [_picture(records.record(i)) for i in chosen(list(records.entries), missed)]
-    return {
-        "info": read_image_info(folder),
-        "score": score,
-        "variant": variant,
-        "cards": _cards(headline),
-        "hero": _hero(records, headline),
-        "frames": frames,
-        "legend": LEGEND,
-        "stretch": STRETCH,
-        "camera": records.knowledge.camera,
-        "target": records.knowledge.target,
-        "span_s": [headline["per_frame"][place]["time_s"] for place in (0, -1)],
-        "headline": tumble_tables.headline_table(score),
-        "checks": tumble_tables.check_table(score),
-        "starts": tumble_tables.starts_table(score),
-        "limits": {each: tumble_tables.limit_table(score, each) for each in variants},
-        "reasons": tumble_tables.reason_table(score),
-        "figures": {
-            "errors": svg_address(tumble_figures.error_figure(score)),
-            "corners": svg_address(tumble_figures.corner_figure(score, variant)),
-        },
-        "scenario": scenario_tables(folder),
-        "fingerprint": dataset_fingerprint(folder),
-        "folder": folder.name,
-    }
-
-
-def _hero(records: ImageRecords, headline: dict[str, Any]) -> Picture:
-    """Draw, close and large, the frame whose pose error is the median one."""
-    rows = [row for row in headline["per_frame"] if row["error"]["attitude_deg"] is not None]
-    rows.sort(key=lambda row: row["error"]["attitude_deg"])
-    shown = rows[len(rows) // 2] if rows else headline["per_frame"][0]
-    return _picture(records.record(shown["frame"]), HERO_WIDTH_PX, truth=False)
-
-
-def _picture(record: ImageRecord, width_px: int = FRAME_WIDTH_PX, truth: bool = True) -> Picture:
-    pose = record.best_known_pose
-    words = [f"frame {record.frame.index}", f"{record.frame.time_s:.1f} s"]
-    if record.truth is not None:
-        words.append(f"{np.linalg.norm(record.truth.cam_from_target.translation):.1f} m")
-    drawn = wireframe_overlay(
-        record.frame,
-        record.knowledge,
-        width_px,
-        estimate=record.estimate,
-        truth=record.truth if truth else None,
-        window=None if pose is None else window_around(record.knowledge, pose),
+    hero = judged[len(judged) // 2] if judged else rows[0]
+    return ReportParts(
+        lead=(
+            f"{target.name}, {score['frames']} images of {camera.width} × {camera.height}; "
+            f"{len(target)} landmarks, no markers, no prior pose"
+        ),
+        cards=_cards(given.headline),
+        hero=hero["frame"],
+        hero_words="the frame of median attitude error, with the wireframe at the estimated pose",
+        headline=tables.headline_table(score),
+        after=[_errors(score), _starts(score)],
+        later=[_limits(given)],
+        shown=[row["frame"] for row in rows if row["wrong"] or row["reason"]],
     )
-    said = record.estimate
-    return Picture(jpeg(drawn), " · ".join(words), record.verdict, said is None or not said)
 
 
-def _cards(headline: dict[str, Any]) -> list[Card]:
-    position, attitude = headline["position_m"], headline["attitude_deg"]
-    starts = headline["starts"]
+def _cards(own: dict[str, Any]) -> list[Card]:
+    core, parts = own["core"], own["parts"]
+    position, attitude, starts = (
+        core["position_error_mm"],
+        core["attitude_error_deg"],
+        parts["starts"],
+    )
     cards = [
-        Card(number(position["median"]), "m", "position error, median",
-             f"95 % below {number(position['p95'])} m"),
+        Card(length(position["median"]), "", "position error, median",
+             f"95 % below {length(position['p95'])}"),
         Card(number(attitude["median"]), "deg", "attitude error, median",
              f"95 % below {number(attitude['p95'])} deg"),
     ]  # fmt: skip
@@ -137,10 +56,49 @@ def _cards(headline: dict[str, Any]) -> list[Card]:
                  "acquired rightly without a prior",
                  f"{starts['first_image']} on the first image, {starts['wrong']} wrong")
         )  # fmt: skip
+    corners = parts["corners"]
     return [
         *cards,
-        Card(share(headline["lost_share"]), "", "of the images lost once acquired",
-             f"longest run of wrong states: {count(headline['longest_wrong'])} frames"),
-        Card(share(headline["corners"]["repeatability"]), "", "of the visible landmarks found",
-             f"within 3 px, rms {number(headline['corners']['rms_px'])} px"),
+        Card(share(parts["state"]["lost_share"]), "", "of the images lost once acquired",
+             f"longest run of wrong poses: {core['wrong']['longest']} frames"),
+        Card(share(corners["repeatability"]), "", "of the visible landmarks found",
+             f"within 3 px, rms {number(corners['rms_px'])} px"),
     ]  # fmt: skip
+
+
+def _errors(score: dict[str, Any]) -> Section:
+    return Section(
+        "Errors over time",
+        figures=(Figure(svg_address(figures.error_figure(score)), "Errors against time"),),
+    )
+
+
+def _starts(score: dict[str, Any]) -> Section:
+    return Section(
+        "Acquisition without a prior, all over the tumble",
+        text=(
+            "Each start knows nothing, looks at one image and, where that gives no pose, at those "
+            "that follow. Right is within the case's limits of a wrong pose."
+        ),
+        tables=(TitledTable("Starts", tables.starts_table(score), wide=True),),
+        nothing="None was tried.",
+    )
+
+
+def _limits(given: ReportInput) -> Section:
+    return Section(
+        "What limits it",
+        text=(
+            "The images sorted into quarters by what they show; errors are of the image's own pose."
+        ),
+        figures=(
+            Figure(
+                svg_address(figures.corner_figure(given.score, given.label)),
+                f"Landmarks visible, sunlit and found, {given.label}",
+            ),
+        ),
+        tables=tuple(
+            TitledTable(label, tables.limit_table(given.score, label), folded=label != given.label)
+            for label in shown_labels(given.score)
+        ),
+    )

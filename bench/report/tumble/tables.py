@@ -1,103 +1,98 @@
-"""The tables of a tumble's report, as rows of text made from its ``score.json``."""
+"""The tables of a tumble, as rows of text made from its ``score.json``."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from bench.report.numbers import NONE, count, number, share
-from bench.report.tables import TITLES, Table, variants_of
+from bench.report.table import (
+    CORE_TERMS,
+    TIME_TERMS,
+    Table,
+    Term,
+    core_cells,
+    headline,
+    time_cells,
+    title_of,
+    with_unit,
+)
+from bench.scoring.score import shown_labels
 
 Score = dict[str, Any]
 
-MEANINGS = {
-    "frames": "Images in the dataset.",
-    "with a state": "Frames at which the pipeline had a state.",
-    "first state": "The frame of the first state.",
-    "lost": "Frames from there on whose image gave no pose that was believed; the filter goes on.",
-    "position error, median": "Length of the filtered state's position error.",
-    "position error, p95": "95 of 100 frames are better than this.",
-    "attitude error, median": "Angle between estimated and true attitude, filtered.",
-    "attitude error, p95": "95 of 100 frames are better than this.",
-    "velocity error, median": "Of the filtered relative velocity, in the local frame.",
-    "rate error, median": "Of the filtered relative angular rate, in target axes.",
-    "pose alone, position": "Median error of the image's own pose, before any filter.",
-    "pose alone, attitude": "The same of its attitude.",
-    "wrong states": "States more than 1 m or 10 deg from the truth.",
-    "longest wrong": "Most of them in a row: how long a wrong pose is held.",
-    "NEES, translation": "Mean of e'P⁻¹e / 6 with the covariance that the filter states: 1 is "
-    "honest, above is overconfident. For an H-infinity filter P is a bound, no covariance.",
-    "NEES, rotation": "The same of attitude and rate.",
-    "visible landmarks": "Mean number of the target's landmarks that an image holds unhidden.",
-    "sunlit, of those": "Share that the Sun reaches past the target's own faces.",
-    "corners found": "Mean number of corners that the image processing gave.",
-    "repeatability": "Share of the visible landmarks that have a corner within 3 px of their true "
-    "place.",
-    "of the sunlit": "The same of the sunlit ones.",
-    "of those in shadow": "The same of those in the target's own shadow or facing away.",
-    "corner error": "Root mean square per axis of those corners' distances.",
-    "corners that are landmarks": "Those corners, over all corners found.",
-}
-SECTIONS = {0: "frames", 4: "filtered state", 10: "image alone", 12: "wrong", 14: "consistency",
-            16: "image processing"}  # fmt: skip
+TERMS = (
+    *CORE_TERMS,
+    Term("first state", "The frame of the first state.", "filtered state"),
+    Term(
+        "lost once acquired",
+        "Share of the frames from there on whose image gave no pose that was believed; the filter "
+        "goes on.",
+    ),
+    Term("velocity error, median", "Of the filtered relative velocity, in the local frame."),
+    Term("rate error, median", "Of the filtered relative angular rate, in target axes."),
+    Term("wrong attitudes", "By kind: the target's symmetry, half a turn, or other."),
+    Term(
+        "pose alone, position",
+        "Median error of the image's own pose, before any filter.",
+        "image alone",
+    ),
+    Term("pose alone, attitude", "The same of its attitude."),
+    Term(
+        "NEES, translation",
+        "Mean of e'P⁻¹e / 6 with the covariance that the filter states: 1 is honest, above is "
+        "overconfident. For an H-infinity filter P is a bound, no covariance.",
+        "consistency",
+    ),
+    Term("NEES, rotation", "The same of attitude and rate."),
+    Term(
+        "visible landmarks",
+        "Mean number of the target's landmarks that an image holds unhidden.",
+        "image processing",
+    ),
+    Term("sunlit, of those", "Share that the Sun reaches past the target's own faces."),
+    Term("corners found", "Mean number of corners that the image processing gave."),
+    Term(
+        "repeatability",
+        "Share of the visible landmarks that have a corner within 3 px of their true place.",
+    ),
+    Term("of the sunlit", "The same of the sunlit ones."),
+    Term("of those in shadow", "The same of those in the target's own shadow or facing away."),
+    Term("corner error", "Root mean square per axis of those corners' distances."),
+    Term("corners that are landmarks", "Those corners, over all corners found."),
+    *TIME_TERMS,
+)
 
 
 def headline_table(score: Score) -> Table:
-    """Compare the variants on the same images."""
-    variants = variants_of(score)
-    columns = [_column(score["pipelines"][variant]) for variant in variants]
-    rows = [[term, *(column[place] for column in columns)] for place, term in enumerate(MEANINGS)]
-    head = ["", *(TITLES.get(variant, variant) for variant in variants)]
-    return Table(head, rows, MEANINGS, SECTIONS)
+    """Compare the pipelines on the same images."""
+    columns = {label: _column(score["pipelines"][label]) for label in shown_labels(score)}
+    return headline(score, TERMS, columns)
 
 
-def _column(one: dict[str, Any]) -> list[str]:
-    corners = one["corners"]
-    velocity = one["velocity_m_s"]["median"]
+def _column(own: dict[str, Any]) -> list[str]:
+    state, corners = own["parts"]["state"], own["parts"]["corners"]
+    velocity = state["velocity_m_s"]["median"]
     return [
-        count(one["frames"]),
-        count(one["with_state"]),
-        NONE if one["first_state"] is None else count(one["first_state"]),
-        f"{one['lost']} ({share(one['lost_share'])})",
-        _unit(one["position_m"]["median"], "m"),
-        _unit(one["position_m"]["p95"], "m"),
-        _unit(one["attitude_deg"]["median"], "deg"),
-        _unit(one["attitude_deg"]["p95"], "deg"),
-        _unit(None if velocity is None else 1e3 * velocity, "mm/s"),
-        _unit(one["rate_deg_s"]["median"], "deg/s"),
-        _unit(one["raw_position_m"]["median"], "m"),
-        _unit(one["raw_attitude_deg"]["median"], "deg"),
-        _counted(one["wrong"], one["confusions"]),
-        f"{one['longest_wrong']} frames",
-        number(one["nees"]["translation"]["mean"]),
-        number(one["nees"]["rotation"]["mean"]),
+        *core_cells(own["core"]),
+        NONE if state["first_state"] is None else count(state["first_state"]),
+        share(state["lost_share"]),
+        with_unit(None if velocity is None else 1e3 * velocity, "mm/s"),
+        with_unit(state["rate_deg_s"]["median"], "deg/s"),
+        _counted(sum(state["confusions"].values()), state["confusions"]),
+        with_unit(state["raw_position_m"]["median"], "m"),
+        with_unit(state["raw_attitude_deg"]["median"], "deg"),
+        number(state["nees"]["translation"]["mean"]),
+        number(state["nees"]["rotation"]["mean"]),
         number(corners["visible"]),
         share(corners["lit_share"]),
         number(corners["detected"]),
         share(corners["repeatability"]),
         share(corners["repeatability_lit"]),
         share(corners["repeatability_dark"]),
-        _unit(corners["rms_px"], "px"),
+        with_unit(corners["rms_px"], "px"),
         share(corners["precision"]),
+        *time_cells(own["core"]),
     ]
-
-
-def check_table(score: Score) -> Table:
-    """Set what was asked of this target beside what was measured."""
-    rows = []
-    for variant in variants_of(score):
-        for check in score["pipelines"][variant]["checks"]:
-            measured = check["measured"]
-            text = (
-                share(measured)
-                if check["what"] in ("starts acquired rightly", "frames lost once acquired")
-                else number(measured)
-            )
-            holds = {True: "holds", False: "does not hold", None: "nothing to judge"}
-            rows.append(
-                [TITLES.get(variant, variant), check["what"], check["asked"], text,
-                 holds[check["holds"]]]
-            )  # fmt: skip
-    return Table(["variant", "what", "asked", "measured", ""], rows, {}, {})
 
 
 def starts_table(score: Score) -> Table:
@@ -107,13 +102,13 @@ def starts_table(score: Score) -> Table:
         "wrong", "no pose", "median, m", "median, deg", "time, median s", "p95 s",
     ]  # fmt: skip
     rows = []
-    for variant in variants_of(score):
-        one = score["pipelines"][variant]["starts"]
+    for variant in shown_labels(score):
+        one = score["pipelines"][variant]["parts"]["starts"]
         if one is None:
             continue
         rows.append(
             [
-                TITLES.get(variant, variant),
+                title_of(variant),
                 count(one["starts"]),
                 f"{one['first_image']} ({share(one['first_image'] / one['starts'])})",
                 f"{one['within']} ({share(one['within'] / one['starts'])})",
@@ -135,7 +130,7 @@ def limit_table(score: Score, variant: str) -> Table:
     rows: list[list[str]] = []
     sections: dict[int, str] = {}
     last = ""
-    for one in score["pipelines"][variant]["limits"]:
+    for one in score["pipelines"][variant]["parts"]["limits"]:
         if one["of"] != last:
             sections[len(rows)] = last = one["of"]
         low, high = (
@@ -152,24 +147,6 @@ def limit_table(score: Score, variant: str) -> Table:
             ]
         )
     return Table(head, rows, {}, sections)
-
-
-def reason_table(score: Score) -> Table:
-    """List why images gave no pose, in the run and at the starts."""
-    rows = []
-    for variant in variants_of(score):
-        one = score["pipelines"][variant]
-        tried = [] if one["starts"] is None else [("starts", one["starts"]["reasons"])]
-        for what, reasons in [("run", one["reasons"]), *tried]:
-            rows += [
-                [TITLES.get(variant, variant), what, count(times), reason]
-                for reason, times in reasons.items()
-            ]
-    return Table(["variant", "in", "frames", "reason"], rows, {}, {})
-
-
-def _unit(value: float | None, unit: str) -> str:
-    return NONE if value is None else f"{number(value)} {unit}"
 
 
 def _counted(times: int, kinds: dict[str, int]) -> str:

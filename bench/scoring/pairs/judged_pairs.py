@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -58,6 +59,7 @@ class TrueDataset:
 
     Attributes
     ----------
+    folder : Path
     camera : Camera
         As simulated, from ``truth/scenario.toml``; where there is none, as calibrated.
     pattern : MarkerPattern
@@ -67,6 +69,7 @@ class TrueDataset:
     limits : Limits
     """
 
+    folder: Path
     camera: Camera
     pattern: MarkerPattern
     frames: tuple[TrueFrame, ...]
@@ -132,7 +135,7 @@ def read_true_dataset(dataset: Dataset) -> TrueDataset:
                 range_m=float(np.linalg.norm(truth.cam_from_target.translation)),
             )
         )
-    return TrueDataset(camera, pattern, tuple(frames), read_limits(folder))
+    return TrueDataset(folder, camera, pattern, tuple(frames), read_limits(folder))
 
 
 def true_poses(dataset: Dataset) -> dict[int, ExposureTruth]:

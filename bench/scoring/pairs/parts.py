@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bench.scoring import metrics
+from bench.scoring.asked import Check, checks
 from bench.scoring.pairs import centroids
 from bench.scoring.pairs.cramer_rao import Efficiency, efficiency, pose_bound
 from bench.scoring.pairs.detections import DetectionScore, detection_score
@@ -63,6 +64,11 @@ def per_range(judged: Runs, truth: TrueDataset, label: str) -> list[RangeScore]:
     """Summarise by range, all runs together."""
     pooled = _pooled(judged)
     return _per_range(pooled, bounds_of(pooled, truth))
+
+
+def asked(judged: Runs, truth: TrueDataset, label: str) -> list[Check]:
+    """Hold run 0 against what the case asks for."""
+    return checks(truth.folder, judged)
 
 
 def frame_rows(judged: Runs, truth: TrueDataset) -> list[dict[str, Any]]:

@@ -11,8 +11,11 @@ from scipy.spatial.transform import Rotation
 from bench.estimating.runs import Run
 from bench.scoring.judgement import Judgement, is_wrong
 from bench.scoring.limits import Limits, read_limits
-from bench.scoring.tumble.navigation_errors import NavigationError, navigation_error
-from bench.suites.pesce2019.acquisition_trial import WRONG_DEG, symmetric_attitude_deg
+from bench.scoring.tumble.navigation_errors import (
+    NavigationError,
+    navigation_error,
+    symmetric_attitude_deg,
+)
 from models.arrays import Floats, Mask
 from models.dataset.dataset import Dataset
 from models.errors import DatasetError
@@ -27,6 +30,7 @@ from renders.truth.image_truth import ImageTruth, read_image_truths
 STATE_DOF = 6
 FOUND_PX = 3.0  # a corner this near to a landmark's true place is that landmark's
 SUN_M = 1e6  # so far away the rays of a "camera" in the Sun are parallel
+LIKE_DEG = 10.0  # this near to a pose that the target's symmetry makes alike
 HALF_TURN_DEG = 20.0  # this near to half a turn about a body axis counts as one
 
 
@@ -183,7 +187,7 @@ def _known(value: float) -> float | None:
 
 def confusion_of(pose: RigidTransform, truth: RigidTransform, target: Wireframe) -> str:
     """Name the kind of a wrong attitude."""
-    if symmetric_attitude_deg(pose, truth, target.symmetries) <= WRONG_DEG:
+    if symmetric_attitude_deg(pose, truth, target.symmetries) <= LIKE_DEG:
         return "symmetry"
     for axis, name in zip(np.eye(3), "xyz", strict=True):
         half = Rotation.from_rotvec(np.pi * axis).as_matrix()

@@ -7,6 +7,7 @@ digits near zero), of the velocity error in the local frame, and of the rate err
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -95,6 +96,23 @@ def pose_error_sizes(estimate: RigidTransform, truth: RigidTransform) -> tuple[f
     moved = float(np.linalg.norm(estimate.translation - truth.translation))
     turned = Rotation.from_matrix(estimate.rotation @ truth.rotation.T).magnitude()
     return moved, float(np.rad2deg(turned))
+
+
+def symmetric_attitude_deg(
+    estimate: RigidTransform, truth: RigidTransform, symmetries: Sequence[Floats]
+) -> float:
+    """Return the attitude error up to the target's symmetries, deg.
+
+    Parameters
+    ----------
+    estimate, truth : RigidTransform
+        ``cam_from_target``.
+    symmetries : sequence of (3, 3) arrays
+        As ``Wireframe`` has them.
+    """
+    turns = np.array([truth.rotation @ own for own in (np.eye(3), *symmetries)])
+    sizes = Rotation.from_matrix(estimate.rotation @ turns.swapaxes(1, 2)).magnitude()
+    return float(np.rad2deg(np.min(sizes)))
 
 
 def translation_error(state: RelativeState, truth: RelativeState) -> Floats:

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from bench.estimating.starts import read_starts
+from bench.scoring.asked import Check, checks
 from bench.scoring.core_score import Sizes, sizes
 from bench.scoring.judgement import without_numbers
 from bench.scoring.tumble.judged_images import STATE_DOF, JudgedImage, TrueImages, confusion_of
@@ -64,6 +65,13 @@ def limits(judged: Runs, truth: TrueImages, label: str) -> list[Limit]:
 def starts(judged: Runs, truth: TrueImages, label: str) -> StartsScore | None:
     """Judge the starts that were tried; None where none were."""
     return starts_score(truth, label)
+
+
+def asked(judged: Runs, truth: TrueImages, label: str) -> list[Check]:
+    """Hold run 0, and the starts, against what the case asks for."""
+    tried = starts_score(truth, label)
+    right = None if tried is None else tried.within / tried.starts
+    return checks(truth.dataset.folder, judged, right)
 
 
 def frame_rows(judged: Runs, truth: TrueImages) -> list[dict[str, Any]]:

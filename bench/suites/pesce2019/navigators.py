@@ -5,10 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, Protocol
 
-from models.uncooperative import NavigationEstimate
-
 from models.motion.relative_state import RelativeState
-from pipelines.uncooperative.knowledge import ImageFrame, PointFrame, UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
 OURS = "pipelines.uncooperative.pipeline"
 
@@ -16,7 +14,7 @@ OURS = "pipelines.uncooperative.pipeline"
 class Navigator(Protocol):
     """A pipeline that is fed frame after frame."""
 
-    def process(self, frame: PointFrame | ImageFrame) -> NavigationEstimate:
+    def process(self, frame: Frame) -> Estimate:
         """Take one frame."""
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from bench.report.numbers import NONE, count, number, share
-from bench.report.tables import TITLES, Table
+from bench.report.table import TITLES, Table
 from bench.suites.pesce2019.cases import published
 from bench.suites.pesce2019.comparison import Compared
 from bench.suites.pesce2019.plan import VARIANTS, Cell

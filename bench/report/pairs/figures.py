@@ -2,44 +2,19 @@
 
 from __future__ import annotations
 
-import base64
-import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
+from bench.report.plot import INK, OTHER, colour_of, column, drawn_svg
 from models.arrays import Floats
 
-COLOURS = {"best": "#1763a6", "paper": "#d1781d"}
-OTHER = "#5b7083"
-INK, FAINT = "#22303c", "#c9d1d8"
-STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "axes.edgecolor": "#8a97a3",
-    "axes.labelcolor": INK,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e6eaee",
-    "grid.linewidth": 0.7,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "text.color": INK,
-    "legend.frameon": False,
-    "svg.hashsalt": "rvbench",
-}
 FEW = 80  # up to so many frames each is a dot of its own
-RASTER_DPI = 130  # of what is too many points for lines
 ROBUST_PERCENT = 97.0
 MOST_TIMES_BEST = 5.0  # no variant's errors may make a panel so wide that best is a line in it
 Score = dict[str, Any]
@@ -82,7 +57,7 @@ def centroid_figure(score: Score, published_std_px: Sequence[float] | None) -> s
                 for place, name in enumerate(names):
                     errors = [f["centroid_error_px"].get(name) for f in frames]
                     error_px = [np.nan if e is None else e[axis] for e in errors]
-                    time_s = _column(frames, "time_s")
+                    time_s = column(frames, "time_s")
                     many = len(frames) > FEW
                     panel.plot(
                         time_s, error_px, "." if many else "o-", color=palette(place % 10),
@@ -120,7 +95,7 @@ def markers_figure(score: Score) -> str:
             frames = score["pipelines"][variant]["per_frame"]
             panel.step(
                 [f["time_s"] for f in frames], [f["used"] for f in frames], where="mid",
-                color=COLOURS.get(variant, OTHER), lw=1.5, label=f"used by {variant}",
+                color=colour_of(variant, _ordered(score)), lw=1.5, label=f"used by {variant}",
                 ls="-" if variant == "best" else "--",
             )  # fmt: skip
         panel.axhline(4, color=OTHER, lw=0.9, ls=":", label="four, the least that can be checked")
@@ -137,14 +112,14 @@ def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: in
     own, others = 0.0, 0.0
     for variant in _ordered(score):
         frames = score["pipelines"][variant]["per_frame"]
-        time_s, error = _column(frames, "time_s"), _column(frames, error_key, axis)
-        colour = COLOURS.get(variant, OTHER)
+        time_s, error = column(frames, "time_s"), column(frames, error_key, axis)
+        colour = colour_of(variant, _ordered(score))
         sizes = np.abs(error[np.isfinite(error)])
         if len(sizes):
             others = max(others, float(np.percentile(sizes, ROBUST_PERCENT)))
         if variant == "best" or len(score["pipelines"]) == 1:
-            stated = 3.0 * _column(frames, sigma_key, axis)
-            bound = 3.0 * _column(frames, bound_key, axis)
+            stated = 3.0 * column(frames, sigma_key, axis)
+            bound = 3.0 * column(frames, bound_key, axis)
             panel.fill_between(
                 time_s, -stated, stated, color=colour, alpha=0.14, lw=0,
                 label=f"3 sigma stated by {variant}",
@@ -160,16 +135,15 @@ def _error_panel(panel: Axes, score: Score, keys: tuple[str, str, str], axis: in
     panel.axhline(0.0, color="#8a97a3", lw=0.7)
     _limit(panel, max(own, min(others, MOST_TIMES_BEST * own)))
     for variant in _ordered(score):
-        _mark_beyond(panel, score["pipelines"][variant]["per_frame"], variant, (error_key, axis))
+        _mark_beyond(panel, score, variant, (error_key, axis))
 
 
-def _mark_beyond(
-    panel: Axes, frames: list[dict[str, Any]], variant: str, key: tuple[str, int]
-) -> None:
+def _mark_beyond(panel: Axes, score: Score, variant: str, key: tuple[str, int]) -> None:
     """Put a triangle at the edge for what lies beyond the panel, and a cross for no pose."""
-    time_s, error = _column(frames, "time_s"), _column(frames, *key)
+    frames = score["pipelines"][variant]["per_frame"]
+    time_s, error = column(frames, "time_s"), column(frames, *key)
     edge = panel.get_ylim()[1]
-    colour = COLOURS.get(variant, OTHER)
+    colour = colour_of(variant, _ordered(score))
     marks = (
         (error > edge, 0.96 * edge, "^"),
         (error < -edge, -0.96 * edge, "v"),
@@ -184,14 +158,6 @@ def _limit(panel: Axes, reach: float) -> None:
     """Centre the panel on zero, as wide as nearly everything in it needs."""
     if reach > 0.0:
         panel.set_ylim(-1.35 * reach, 1.35 * reach)
-
-
-def _column(frames: list[dict[str, Any]], key: str, axis: int | None = None) -> Floats:
-    """Return one number of every frame; NaN where there is none."""
-    values = [frame[key] for frame in frames]
-    if axis is not None:
-        values = [None if value is None else value[axis] for value in values]
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
 def _errors_px(frame: dict[str, Any]) -> list[Floats]:
@@ -211,27 +177,3 @@ def _marker_names(score: Score) -> list[str]:
 def _ordered(score: Score) -> list[str]:
     """Return the variants with ``best`` last, so that it is drawn on top."""
     return sorted(score["pipelines"], key=lambda variant: (variant == "best", variant))
-
-
-def drawn_svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
-    """Return as SVG text, the same for the same drawing, what ``draw`` puts on a figure.
-
-    Parameters
-    ----------
-    draw : callable
-    size : (float, float)
-        Width and height, inches.
-    """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05))
-        draw(figure)
-        stream = io.StringIO()
-        figure.savefig(
-            stream, format="svg", dpi=RASTER_DPI, metadata={"Date": None, "Creator": None}
-        )
-    return stream.getvalue()
-
-
-def svg_address(svg: str) -> str:
-    """Return an SVG as a ``data:`` address."""
-    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
