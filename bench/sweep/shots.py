@@ -25,7 +25,7 @@ from models.atomic_file import write_bytes, write_text
 from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
-from models.frame import Frame
+from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import ChaserFixed, options_for
@@ -172,7 +172,15 @@ def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> F
         depth_m = _depth_m(shot, exposure.band)
         images[exposure.band] = compose(world, groups, exposure, shot.exposure_ms, RUN, depth_m)
     time_s = world.scenario.times_s[0]
-    return Frame(0, time_s, images[800], images[850], shot.exposure_ms)
+    gap_s = 1e-3 * shot.scenario.motion.pair_gap_ms
+    return Frame(
+        0,
+        time_s,
+        {
+            IMAGE_800: ImageReading(images[800], time_s - gap_s, shot.exposure_ms),
+            IMAGE_850: ImageReading(images[850], time_s, shot.exposure_ms),
+        },
+    )
 
 
 def _depth_m(shot: Shot, band: int) -> Radiance | None:
@@ -194,10 +202,12 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
         record = json.loads(path.read_text())
         if record["key"] != shot.key:
             return None
-        estimates = {name: estimate_from_json(record["estimates"][name]) for name in shot.pipelines}
+        estimates = {
+            name: estimate_from_json(record["estimates"][name], path) for name in shot.pipelines
+        }
         saturated = {int(band): float(x) for band, x in record["saturated_percent"].items()}
         data = np.frombuffer(path.with_suffix(".png").read_bytes(), np.uint8)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, DatasetError):
         return None
     thumbnail = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if len(data) else None
     if thumbnail is None:
@@ -248,10 +258,10 @@ def _write(
     out: Path, shot: Shot, frame: Frame, estimates: Mapping[str, Estimate], detector: Detector
 ) -> None:
     path = _path(out, shot)
-    small = picture(frame.image_850, detector, THUMBNAIL_PX)
+    small = picture(frame.image(IMAGE_850).image, detector, THUMBNAIL_PX)
     write_bytes(path.with_suffix(".png"), encoded_png(small))
     full_dn = detector.saturation_dn - 3.0 * detector.read_noise_e / detector.gain_e_dn - 1.0
-    pair = {800: frame.image_800, 850: frame.image_850}
+    pair = {800: frame.image(IMAGE_800).image, 850: frame.image(IMAGE_850).image}
     record = {
         "format": SHOT_FORMAT,
         "key": shot.key,

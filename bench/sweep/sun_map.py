@@ -22,7 +22,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from bench.report.figures import INK, STYLE
+from bench.report.plot import INK, STYLE
 from bench.sweep.table import VERDICTS, Row, Setting, Verdict
 from models.arrays import Floats
 from models.lights.sun import SUN_CASES_DEG

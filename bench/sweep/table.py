@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeAlias
 
 from bench.scoring.pairs.detections import VisibleMarkers, judge
 from models.errors import DatasetError, cause
-from models.estimate import Estimate, PoseEstimate
+from models.estimate import Estimate
 from models.lights.sun_grid import NamedSun
 from models.pose import pose_error
 from renders.truth.exposure_truth import ExposureTruth
@@ -142,12 +142,12 @@ def judged_row(
     saturated_percent : dict of int to float
         Of all pixels, at 800 and at 850 nm.
     """
-    judged = judge(estimate.detections, markers)
+    judged = judge(estimate.detected, markers)
     expected, found = int(markers.expected.sum()), int(markers.expected[judged.found].sum())
     error = (
-        pose_error(estimate.cam_from_target, truth.cam_from_target)
-        if isinstance(estimate, PoseEstimate)
-        else None
+        None
+        if estimate.pose is None
+        else pose_error(estimate.pose.cam_from_target, truth.cam_from_target)
     )
     along_mm = [None] * 3 if error is None else [1e3 * float(x) for x in error.position_m]
     verdict: Verdict = "all found" if found == expected else "some missed"
@@ -173,7 +173,7 @@ def judged_row(
         error_z_mm=along_mm[2],
         saturated_800_percent=saturated_percent[800],
         saturated_850_percent=saturated_percent[850],
-        reason=getattr(estimate, "reason", ""),
+        reason=estimate.reason or "",
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, Protocol
 
+from models.estimate import Estimate
+from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
