@@ -34,10 +34,10 @@ from models.dataset.dataset import (
     read_markers,
 )
 from models.errors import DatasetError, ScenarioError
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.pose import RigidTransform, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 EULER_ROUNDING = 1e-14  # the prior's attitude goes through three angles and back
 
