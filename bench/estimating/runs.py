@@ -11,14 +11,14 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from models.dataset.dataset import FrameEntry
 from models.dataset.estimates_file import read_estimates, read_runtimes
-from models.errors import DatasetError
+from models.errors import DatasetError, UnreadableError
 from models.estimate import Estimate
+from models.reading.json_file import read_json_table
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,9 @@ def dataset_fingerprint(folder: Path) -> str:
 def read_stamp(folder: Path, number: int) -> dict[str, str]:
     """Return a run's stamp; empty if it has none or it cannot be read."""
     try:
-        stamp = json.loads(stamp_path(folder, number).read_text())
-    except (OSError, ValueError):
+        return read_json_table(stamp_path(folder, number))
+    except UnreadableError:
         return {}
-    return dict(stamp) if isinstance(stamp, dict) else {}
 
 
 def found_variants(folder: Path) -> tuple[str, ...]:

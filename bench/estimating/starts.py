@@ -29,9 +29,10 @@ from models.dataset.image_dataset import (
     read_navigation,
     read_uncooperative_knowledge,
 )
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, UnreadableError, cause
 from models.estimate import PoseEstimate
 from models.pose import RigidTransform
+from models.reading.json_file import read_json_table
 
 STARTS = 50
 MOST_IMAGES = 5
@@ -257,7 +258,7 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
     if not path.is_file():
         return 0, []
     try:
-        document = json.loads(path.read_text())
+        document = read_json_table(path)
         starts = [
             Start(
                 frame=int(each["frame"]),
@@ -270,7 +271,7 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
             for each in document["starts"]
         ]
         return int(document["most_images"]), starts
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (UnreadableError, KeyError, TypeError, ValueError) as error:
         raise DatasetError(
             f"{path}: expected the starts that were tried, got: {cause(error)}; "
             "delete it and estimate again: only what is missing is done"

@@ -21,7 +21,8 @@ from bench.scoring.score_card import SCORE_FORMAT, SCORE_VERSION, Score
 from bench.scoring.variant_score import score_variant
 from models.atomic_file import write_text
 from models.dataset.dataset import read_info
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, UnreadableError, cause
+from models.reading.json_file import read_json
 
 SIGNIFICANT_DIGITS = 9  # far below any error, far above what differs between processors
 
@@ -73,8 +74,8 @@ def read_score(folder: Path) -> dict[str, Any]:
     """
     path = folder / "score.json"
     try:
-        table = json.loads(path.read_text())
-    except (OSError, ValueError) as error:
+        table = read_json(path)
+    except UnreadableError as error:
         raise DatasetError(
             f"expected a score at {path}, got: {cause(error)}; run `rvbench score {folder}` first"
         ) from error

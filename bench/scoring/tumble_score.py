@@ -35,7 +35,8 @@ from models.atomic_file import write_text
 from models.dataset.dataset import read_frame_entries
 from models.dataset.image_dataset import read_image_info, read_uncooperative_knowledge
 from models.dataset.navigation_estimates_file import read_navigation_estimates
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, UnreadableError, cause
+from models.reading.json_file import read_json_table
 from models.uncooperative import NavigationEstimate, UncooperativeKnowledge
 from renders.truth.image_truth import ImageTruth, read_image_truths
 
@@ -90,10 +91,10 @@ def read_tumble_score(folder: Path) -> dict[str, Any]:
     """
     path = folder / "score.json"
     try:
-        score: dict[str, Any] = json.loads(path.read_text())
+        score = read_json_table(path)
         if (score["format"], score["version"]) != (FORMAT, VERSION):
             raise ValueError(f"{score['format']}, version {score['version']}")
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (UnreadableError, KeyError, ValueError) as error:
         raise DatasetError(
             f"{path}: expected {FORMAT}, version {VERSION}, got: {cause(error)}; "
             f"run `rvbench score {folder}`"
