@@ -9,11 +9,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from rich.console import Console
 from tyro.conf import Positional, arg
 
 from bench import api
 from models.errors import ScenarioError
+from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
 
@@ -280,7 +280,7 @@ class List:
         """Print the lists."""
         from bench.listing import print_listing
 
-        print_listing(Console())
+        print_listing(plain_console())
         return DONE
 
 
@@ -299,11 +299,11 @@ def _print_summary(folder: Path, scored: dict[str, object]) -> None:
     if api.holds_images(folder):
         from bench.report.tumble_summary import print_tumble_summary
 
-        print_tumble_summary(Console(), scored)
+        print_tumble_summary(plain_console(), scored)
         return
     from bench.report.summary import print_summary
 
-    print_summary(Console(), scored)
+    print_summary(plain_console(), scored)
 
 
 def _verdict(scored: dict[str, Any], limit_mm: float) -> int:

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from bench.estimating.navigators import OURS, navigator, options_text
 from bench.suites.pesce2019.plan import VARIANTS
@@ -31,6 +30,7 @@ from models.dataset.image_dataset import (
 )
 from models.errors import DatasetError, UnreadableError, cause
 from models.estimate import PoseEstimate
+from models.plain_console import plain_console
 from models.pose import RigidTransform
 from models.reading.json_file import read_json_table
 
@@ -143,7 +143,7 @@ def try_starts(
     dataset = public_fingerprint(folder)
     units = {each: _units(folder, dataset, each, frames, navigator) for each in VARIANTS}
     do_units([unit for own in units.values() for unit in own], home, workers,
-             Console(stderr=True))  # fmt: skip
+             plain_console(stderr=True))  # fmt: skip
     return [
         _write(folder, variant, most_images, [done_outcome(home, unit) for unit in own])
         for variant, own in units.items()

@@ -13,6 +13,7 @@ from bench.pictures.frame_records import PREFERRED
 from bench.pictures.image_records import ImageRecord, ImageRecords
 from bench.pictures.stretch import STRETCH
 from bench.pictures.wireframe_overlay import LEGEND, window_around, wireframe_overlay
+from bench.report.plain_text import take_literally
 
 PANEL_PX, DPI = 950, 100
 INK, PAPER, DIM = "#e8e8e8", "#15181c", "#9aa2ab"
@@ -67,6 +68,7 @@ def draw(record: ImageRecord) -> NDArray[np.uint8]:
         )
         axes.set_axis_off()
     _write_heading(figure, record)
+    take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(pixels[:, :, :3])

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bench.pictures.frame_records import PREFERRED, FrameRecord, FrameRecords
 from bench.pictures.overlay import DETECTION_RED, REPROJECTION_GREEN, TRUTH_CYAN, overlay
 from bench.pictures.stretch import STRETCH, stretch
+from bench.report.plain_text import take_literally
 from models.arrays import Floats
 from models.atomic_file import write_bytes
 
@@ -69,6 +70,7 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
         axes = figure.add_subplot(windows[place // COLUMNS, place % COLUMNS])
         _draw_window(axes, record, marker)
     _write_heading(figure, record)
+    take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(pixels[:, :, :3])

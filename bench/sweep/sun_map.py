@@ -23,6 +23,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from bench.report.figures import INK, STYLE
+from bench.report.plain_text import take_literally
 from bench.sweep.table import VERDICTS, Row, Setting, Verdict
 from models.arrays import Floats
 from models.lights.sun import SUN_CASES_DEG
@@ -159,6 +160,7 @@ def sun_map_figure(
             left_in = 0.5 + 7.9 * column
             place = (left_in / WIDTH_IN, 0.3 / tall_in, 6.6 / WIDTH_IN, 3.3 / tall_in)
             _small_map(figure, place, rows, values, name)
+        take_literally(figure)
     return figure
 
 
