@@ -9,11 +9,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from rich.console import Console
 from tyro.conf import Positional, arg
 
 from bench import api
 from models.errors import ScenarioError
+from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
 
@@ -284,7 +284,7 @@ class List:
         """Print the lists."""
         from bench.listing import print_listing
 
-        print_listing(Console())
+        print_listing(plain_console())
         return DONE
 
 
@@ -303,7 +303,7 @@ def _print_summary(scored: dict[str, Any]) -> None:
     from bench.chains.catalogue import chain_named
     from bench.report.summary import print_summary
 
-    print_summary(Console(), scored, chain_named(scored["chain"]).headline(scored))
+    print_summary(plain_console(), scored, chain_named(scored["chain"]).headline(scored))
 
 
 def _verdict(scored: dict[str, Any], limit_mm: float) -> int:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from rich.console import Console
 
 from bench.cycles import regions, shadow_edges
 from bench.cycles.jobs import CYCLES, OURS, Job, Task, read_radiance, run
@@ -28,6 +27,7 @@ from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.errors import RvbenchError
 from models.lights.sun import sun_direction
+from models.plain_console import plain_console
 from models.pose import RigidTransform
 from models.spacecraft.part import Part
 
@@ -228,7 +228,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--out", type=Path, default=Path("out/oracle"))
     options = parser.parse_args()
-    console = Console(width=None if sys.stdout.isatty() else 110)
+    console = plain_console(width=None if sys.stdout.isatty() else 110)
     try:
         plate = check_plate(options.out / "plate")
         suns = check_maxar(options.size_px, options.samples, options.seeds, options.out / "maxar")

@@ -18,7 +18,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from bench.cycles.jobs import BARE, CYCLES, OURS, Effort, Job, Task, read_radiance, run
 from bench.cycles.neutral_scene import NeutralScene
@@ -28,6 +27,7 @@ from bench.cycles.speed_tables import print_rows
 from models.arrays import Radiance
 from models.errors import RvbenchError
 from models.lights.sun import direction_from_azimuth
+from models.plain_console import plain_console
 
 SWEEP_AZIMUTHS_DEG = range(0, 360, 30)
 SWEEP_ELEVATIONS_DEG = (15, 45, 75)
@@ -339,7 +339,7 @@ def main() -> int:
     parser.add_argument("--cycles-suns", type=int, default=36, help="of the 36, by Cycles")
     parser.add_argument("--out", type=Path, default=Path("out/speed"))
     options = parser.parse_args()
-    console = Console(width=None if sys.stdout.isatty() else 140)
+    console = plain_console(width=None if sys.stdout.isatty() else 140)
     options.out.mkdir(parents=True, exist_ok=True)
     try:
         with tempfile.TemporaryDirectory(dir=options.out) as folder:

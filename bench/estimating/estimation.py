@@ -12,6 +12,7 @@ from bench.estimating.contenders import Contender, contenders
 from bench.estimating.runner import estimate_run
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import ScenarioError
+from models.plain_console import plain_console
 
 
 def taking_part(
@@ -27,9 +28,9 @@ def taking_part(
     chain = chain_named(dataset.info.chain)
     streams = [stream.name for stream in dataset.info.streams]
     found, remarks = contenders(streams, chain.pipelines, asked)
-    console = console or Console(stderr=True)
+    console = console or plain_console(stderr=True)
     for remark in remarks:
-        console.print(f"left out: {remark}", soft_wrap=True, markup=False, highlight=False)
+        console.print(f"left out: {remark}", soft_wrap=True, highlight=False)
     if not found:
         raise ScenarioError(
             f"{dataset.folder}: expected a pipeline for the streams {', '.join(streams)}, "

@@ -15,14 +15,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from bench.suites.spread import do_units
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.atomic_file import write_text
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import DatasetError, cause
+from models.plain_console import plain_console
 from models.pose import RigidTransform
+from models.reading.json_file import read_json_table
 from pipelines.pipeline import RegisteredPipeline
 from pipelines.registry import registered_pipeline
 
@@ -138,7 +139,7 @@ def try_starts(
         for variant in registered.variants
     }
     do_units([unit for own in units.values() for unit in own], home, workers,
-             Console(stderr=True))  # fmt: skip
+             plain_console(stderr=True))  # fmt: skip
     return [
         _write(dataset.folder, label, most_images, [done_outcome(home, unit) for unit in own])
         for label, own in units.items()
@@ -241,7 +242,7 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
     if not path.is_file():
         return 0, []
     try:
-        document = json.loads(path.read_text())
+        document = read_json_table(path)
         starts = [
             Start(
                 frame=int(each["frame"]),

@@ -11,6 +11,7 @@ from bench.chains.tumble_images import CHAIN
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import STRETCH
 from bench.pictures.wireframe_overlay import verdict, window_around, wireframe_overlay
+from bench.report.plain_text import take_literally
 
 PANEL_PX, DPI = 950, 100
 INK, PAPER, DIM = "#e8e8e8", "#15181c", "#9aa2ab"
@@ -31,6 +32,7 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
         axes.imshow(wireframe_overlay(record, PANEL_PX, window=window))
         axes.set_axis_off()
     _write_heading(figure, record)
+    take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(pixels[:, :, :3])

@@ -20,6 +20,7 @@ from bench.pictures.marker_overlay import (
     verdict,
 )
 from bench.pictures.stretch import STRETCH, stretch
+from bench.report.plain_text import take_literally
 from models.arrays import Floats
 from models.frame import IMAGE_800, IMAGE_850
 
@@ -49,6 +50,7 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
         axes = figure.add_subplot(windows[place // COLUMNS, place % COLUMNS])
         _draw_window(axes, record, marker)
     _write_heading(figure, record)
+    take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(pixels[:, :, :3])

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from bench.report.plain_text import take_literally
 from models.arrays import Floats
 
 COLOURS = {"best": "#1763a6", "paper": "#d1781d"}
@@ -77,6 +78,7 @@ def drawn_svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05))
         draw(figure)
+        take_literally(figure)
         stream = io.StringIO()
         figure.savefig(
             stream, format="svg", dpi=RASTER_DPI, metadata={"Date": None, "Creator": None}

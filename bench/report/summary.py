@@ -6,7 +6,6 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table as TextTable
 
 from bench.report.table import (
@@ -33,7 +32,7 @@ def print_summary(console: Console, score: dict[str, Any], table: Table | None =
     """
     shown = core_table(score) if table is None else table
     runs = f"{score['runs']} run" + ("s" if score["runs"] > 1 else "")
-    title = escape(f"{score['case']}, Sun {score['sun']}, {runs}")
+    title = f"{score['case']}, Sun {score['sun']}, {runs}"
     console.print(_drawn(shown, title))
     checks = check_table(score)
     if checks.rows:
@@ -53,7 +52,7 @@ def _drawn(shown: Table, title: str) -> TextTable:
     table = TextTable(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for place, head in enumerate(shown.head):
         first = place == 0
-        table.add_column(escape(head), justify="left" if first else "right", no_wrap=first)
+        table.add_column(head, justify="left" if first else "right", no_wrap=first)
     for row in shown.rows:
-        table.add_row(*(escape(cell) for cell in row))
+        table.add_row(*row)
     return table

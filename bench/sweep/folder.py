@@ -24,6 +24,8 @@ from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
 from models.lights.sun_grid import NamedSun
+from models.reading.fields import Fields
+from models.reading.json_file import read_json_table
 from renders.scenario.scenario import read_scenario
 from renders.store.radiance_store import KEY
 from renders.store.sealed_exr import read_exr, write_exr
@@ -88,11 +90,11 @@ def read_pose_truth(
         That must be in it.
     """
     try:
-        table: dict[str, Any] = json.loads(_truth_path(out, pose).read_text())
+        table: dict[str, Any] = read_json_table(_truth_path(out, pose))
         sun_lit = {str(text): [float(x) for x in xs] for text, xs in table["sun_lit"].items()}
-        truth = ExposureTruth.from_json(table["truth"])
+        truth = ExposureTruth.from_fields(Fields(table["truth"], _truth_path(out, pose)))
         known = table["key"] == key and all(sun.text in sun_lit for sun in suns)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (DatasetError, ValueError, KeyError, TypeError, AttributeError):
         return None
     return (truth, sun_lit) if known else None
 

@@ -92,7 +92,8 @@ def print_sweep(console: Console, result: SweepResult) -> None:
     best, harshest = ranked(rows_of(result, result.settings[0], result.map_pipeline))
     for name, rows in (("kindest", best), ("harshest", harshest)):
         for row in rows[:OF_EACH]:
-            console.print(f"{name}: Sun {row.sun}: {told(row)}", soft_wrap=True, highlight=False)
+            line = f"{name}: Sun {row.sun}: {told(row)}"
+            console.print(line, soft_wrap=True, highlight=False, markup=False)
 
 
 def _errors(rows: list[Row]) -> tuple[str, str]:

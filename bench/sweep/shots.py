@@ -26,6 +26,8 @@ from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
 from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
+from models.reading.json_file import read_json_table
+from models.reading.regular_file import read_bytes
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import ChaserFixed, options_for
@@ -199,15 +201,15 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
     """Read what a shot came to; None if it has not been taken or its files are not whole."""
     path = _path(out, shot)
     try:
-        record = json.loads(path.read_text())
+        record = read_json_table(path)
         if record["key"] != shot.key:
             return None
         estimates = {
             name: estimate_from_json(record["estimates"][name], path) for name in shot.pipelines
         }
         saturated = {int(band): float(x) for band, x in record["saturated_percent"].items()}
-        data = np.frombuffer(path.with_suffix(".png").read_bytes(), np.uint8)
-    except (OSError, ValueError, KeyError, TypeError, DatasetError):
+        data = np.frombuffer(read_bytes(path.with_suffix(".png")), np.uint8)
+    except (DatasetError, ValueError, KeyError, TypeError):
         return None
     thumbnail = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if len(data) else None
     if thumbnail is None:

@@ -22,6 +22,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from bench.report.plain_text import take_literally
 from bench.report.plot import INK, STYLE
 from bench.sweep.table import VERDICTS, Row, Setting, Verdict
 from models.arrays import Floats
@@ -183,6 +184,7 @@ def sun_map_figure(
             left_in = 0.5 + 7.9 * column
             place = (left_in / WIDTH_IN, 0.3 / tall_in, 6.6 / WIDTH_IN, 3.3 / tall_in)
             _small_map(figure, place, rows, values, name)
+        take_literally(figure)
     return figure
 
 

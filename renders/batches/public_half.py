@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from models.dataset.dataset import FORMAT, detector_to_toml, markers_to_toml, prior_to_toml
 from models.dataset.image_dataset import FORMAT as IMAGE_FORMAT
 from models.dataset.image_dataset import knowledge_to_toml, navigation_to_csv
+
+from models.dataset.dataset import FORMAT, detector_to_toml, markers_to_toml, prior_to_toml
 from models.wireframe.wireframe_file import wireframe_to_json
 from renders.world.tumble_world import TumbleWorld
 from renders.world.world import World

@@ -16,7 +16,6 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Floats
 from models.dataset.dataset import FILTERED, FrameEntry
 from models.errors import ScenarioError
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.lights.earth import EARTH_RADIUS_KM
 from models.lights.sun import sun_direction
 from models.motion.chaser_navigation import corrupted
@@ -25,8 +24,9 @@ from models.motion.relative_state import ChaserState
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
 from models.spacecraft.wireframes import wireframe_by_name
-from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from models.wireframe.wireframe import Wireframe
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from renders.scenario.scenario import Scenario
 from renders.scenario.tumble_tables import TumbleTable
 from renders.tracing.light_groups import LampGroup, SunGroup

@@ -15,7 +15,6 @@ from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.dataset.dataset import FrameEntry
 from models.errors import ScenarioError
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.lights.earth import Earth
 from models.lights.led_beam import LedRing
 from models.lights.sun import SUN_CASES_DEG, sun_direction, unit_direction
@@ -27,6 +26,7 @@ from models.spacecraft.catalogue import spacecraft_by_name
 from models.spacecraft.inside import is_inside
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.detector.expose import SUNLIGHT_NM, electrons_per_radiance
 from renders.scenario.scenario import Scenario
 from renders.tracing.light_groups import (

@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-
-from models.dataset.dataset import FILTERED, image_path
 from models.dataset.image_dataset import (
     read_image_frames,
     read_image_info,
     read_navigation,
     read_uncooperative_knowledge,
 )
+
+from models.dataset.dataset import FILTERED, image_path
 from models.errors import DatasetError, ScenarioError
 from models.spacecraft.part import Part, Spacecraft
 from renders.scenario.scenario import RenderRequest, Scenario

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.scoring.pairs.cramer_rao import efficiency, pixel_jacobian, pose_bound
 from bench.scoring.metrics import error_vector
+from bench.scoring.pairs.cramer_rao import efficiency, pixel_jacobian, pose_bound
 from models.camera import Camera, camera_preset
 from models.pose import pose_error
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models.uncooperative import NavigationEstimate
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
@@ -16,7 +17,6 @@ from models.estimate import Detections, NoPose, PoseEstimate
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform, pose_error
-from models.uncooperative import NavigationEstimate
 from pipelines.filters import kalman
 
 NOTHING = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())

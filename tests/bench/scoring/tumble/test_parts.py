@@ -5,22 +5,22 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from bench.report.tumble_summary import print_tumble_summary
+from models.dataset.navigation_estimates_file import write_navigation_estimates
+from models.uncooperative import NavigationEstimate
 from rich.console import Console
 from scipy.spatial.transform import Rotation
 
 from bench.estimating.runs import estimates_path
 from bench.estimating.starts import chosen_starts, read_starts, starts_path, try_starts
 from bench.report.tumble.page import write_tumble_report
-from bench.report.tumble_summary import print_tumble_summary
 from bench.scoring.tumble.judged_images import confusion_of, lit_landmarks
 from bench.scoring.tumble.parts import longest_run, read_tumble_score, score_tumble
-from models.dataset.navigation_estimates_file import write_navigation_estimates
 from models.errors import DatasetError
 from models.estimate import Detections, NoPose, PoseEstimate
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform
 from models.spacecraft.wireframes import wireframe_by_name
-from models.uncooperative import NavigationEstimate
 from tests.support.synthetic_images import write_images
 
 FRAMES = 8
