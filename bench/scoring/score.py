@@ -21,15 +21,9 @@ from bench.estimating.runs import estimates_path, found_runs, found_variants, re
 from bench.scoring.core_score import core_score
 from bench.scoring.judgement import Judgement
 from models.atomic_file import write_text
-<<<<<<< HEAD
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import DatasetError, UnreadableError
 from models.reading.json_file import read_json_table
-=======
-from models.dataset.dataset import read_info
-from models.errors import DatasetError, UnreadableError, cause
-from models.reading.json_file import read_json
->>>>>>> reading
 
 FORMAT, VERSION = "rvbench-score", 2
 OLD_FORMATS = ("rvbench-score", "rvbench-tumble-score")
@@ -84,11 +78,7 @@ def read_score(folder: Path) -> dict[str, Any]:
     """
     path, again = folder / "score.json", f"run `rvbench score {folder}`"
     try:
-<<<<<<< HEAD
         table = read_json_table(path, MOST_BYTES)
-=======
-        table = read_json(path)
->>>>>>> reading
     except UnreadableError as error:
         raise DatasetError(
             f"expected a score at {path}, got: {error.told}; {again} first"
