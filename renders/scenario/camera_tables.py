@@ -95,7 +95,7 @@ class ExposureTable(Table):
     ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
     given, each other metered from the image before it, of a pair from the 850 nm one. ``fixed``: as
     given. With ``[tumble]`` what is given is meant for the chip's own pixels; see
-    ``renders.world.tumble_world``.
+    ``renders.world.exposure_plan``.
     """
 
     mode: Literal["schedule", "auto", "fixed"] = "schedule"
