@@ -25,6 +25,7 @@ from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
+from renders.scenario.asked_tables import AskedTable, LimitsTable
 from renders.scenario.camera_tables import (
     CameraTable,
     DetectorTable,
@@ -59,6 +60,9 @@ MOST_SCENARIO_BYTES = MEGABYTE
 
 SigmaM = Annotated[float, Field(ge=0, le=1000)]
 SigmaDeg = Annotated[float, Field(ge=0, le=180)]
+
+
+SHAPING_NOTHING = {"description", "limits", "asked"}  # prose, and what is asked
 
 
 class LampsTable(Table):
@@ -156,6 +160,8 @@ class Scenario(Table):
     prior: PriorTable = PriorTable()
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
+    limits: LimitsTable = LimitsTable()  # type: ignore[call-arg]
+    asked: AskedTable = AskedTable()  # type: ignore[call-arg]
 
     @property
     def times_s(self) -> list[float]:
@@ -214,8 +220,10 @@ class Scenario(Table):
         return tomli_w.dumps(json.loads(self.model_dump_json(exclude_none=True)))
 
     def fingerprint(self) -> str:
-        """Return a hash of everything in it but its prose."""
-        table = self.model_dump(mode="json", exclude={"description"}, exclude_none=True)
+        """Return a hash of everything in it that shapes a dataset: not its prose, nor what is asked."""
+        table = self.model_dump(
+            mode="json", exclude={"description", "limits", "asked"}, exclude_none=True
+        )
         return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
