@@ -37,6 +37,7 @@ from models.sensors.camera_chip import Detector
 
 FORMAT = "rvbench-pairs"
 VERSION = 1
+FARTHEST_PRIOR_M = 1e6
 FILTERED = 0  # the band of a single image: all that the camera's filter passes, and no lamps
 DIVISORS = ("pixel_pitch_um", "quantum_efficiency", "full_well_e", "gain_e_dn")
 
@@ -281,6 +282,12 @@ def read_prior(path: Path) -> tuple[RigidTransform, Floats, Floats]:
             f"{path}: expected t_cam_from_target_m, euler_321_deg, sigma_t_m and "
             f"sigma_euler_deg, three numbers each; got: {cause(error)}"
         ) from error
+    ahead_m = float(prior.translation[2])
+    if not 0.0 < ahead_m < FARTHEST_PRIOR_M:
+        raise DatasetError(
+            f"{path}: expected a target in front of the camera, the third number of "
+            f"t_cam_from_target_m above 0 and below {FARTHEST_PRIOR_M:g} m, got {ahead_m:g}"
+        )
     return prior, sigma_m, sigma_deg
 
 
@@ -299,7 +306,10 @@ def read_knowledge(folder: Path) -> FlightKnowledge:
 
 def frames_to_csv(entries: list[FrameEntry]) -> str:
     """Return the text of ``frames.csv``."""
-    rows = "".join(f"{entry.index},{entry.time_s!r},{entry.exposure_ms!r}\n" for entry in entries)
+    rows = "".join(
+        f"{int(entry.index)},{float(entry.time_s)!r},{float(entry.exposure_ms)!r}\n"
+        for entry in entries
+    )
     return "index,time_s,exposure_ms\n" + rows
 
 

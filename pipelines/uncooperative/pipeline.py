@@ -25,6 +25,7 @@ from models.uncooperative import (
     PointFrame,
     UncooperativeKnowledge,
 )
+from pipelines.filters.covariance_fault import covariance_fault
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
 from pipelines.uncooperative.options import VARIANTS, UncooperativeOptions, options_for
@@ -100,6 +101,8 @@ class Uncooperative:
     ) -> NavigationEstimate:
         """Start from this image alone; where that fails there is no state, but one to keep."""
         pose = finder.acquire(frame)
+        if isinstance(pose, PoseEstimate) and (fault := covariance_fault(pose.covariance)):
+            pose = _refused(pose, f"the pose acquired has {fault}")
         if isinstance(pose, NoPose):
             self._navigation = self._navigation if keep else None
             return self._said(frame, pose, None, "searching")

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import shutil
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
+from scipy.spatial.transform import Rotation
 
 from models.dataset.dataset import FILTERED, image_path, read_format, read_info
 from models.dataset.image_dataset import (
@@ -77,6 +80,17 @@ def test_navigation_keeps_every_digit(folder: Path) -> None:
     for state in states.values():
         for number in (*state.position_in_inertial, *state.velocity_in_inertial):
             assert repr(float(number)) in text
+
+
+def test_a_mount_typed_with_six_digits_is_made_exact(folder: Path) -> None:
+    path = folder / "knowledge.toml"
+    table = tomllib.loads(path.read_text())
+    turn = Rotation.from_rotvec([0.2, 1.0, -0.5]).as_matrix()
+    table["R_cam_from_lvlh"] = np.round(turn, 6).tolist()
+    path.write_text(tomli_w.dumps(table))
+    mount = read_uncooperative_knowledge(folder).cam_from_lvlh
+    np.testing.assert_allclose((mount.inverse() @ mount).matrix(), np.eye(4), atol=1e-14)
+    np.testing.assert_allclose(mount.rotation, turn, atol=1e-6)
 
 
 def edit(path: Path, old: str, new: str) -> None:
