@@ -1,4 +1,4 @@
-"""Where a lens folds: closed forms, the Jacobian's sign by brute force, and OpenCV's own polynomial."""
+"""Where a lens folds: closed forms, and the sign of the Jacobian of OpenCV's own polynomial."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def least_slope(points: Floats, lens: tuple[float, ...]) -> Floats:
     """Return the lesser eigenvalue of OpenCV's Jacobian, by central differences."""
     step = 1e-6
     columns = [
-        (opencv_distorted(points + step * axis, lens) - opencv_distorted(points - step * axis, lens))
+        np.subtract(*(opencv_distorted(points + way * axis, lens) for way in (step, -step)))
         / (2.0 * step)
         for axis in np.eye(2)
     ]

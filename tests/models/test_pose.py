@@ -111,7 +111,7 @@ def test_a_matrix_of_another_shape_is_refused() -> None:
 
 @given(rigid_transforms(), st.sampled_from([6, 7, 9]))
 def test_a_rotation_typed_with_a_few_digits_is_made_exact(a: RigidTransform, digits: int) -> None:
-    """What is accepted composes and inverts like any other, and is what was typed, to its digits."""
+    """What is accepted composes and inverts like any other, and is what was typed to its digits."""
     typed = np.round(a.rotation, digits)
     read = RigidTransform(typed, a.translation)
     assert np.abs(read.rotation - typed).max() < 2.0 * 10.0**-digits
