@@ -85,7 +85,7 @@ def marker_windows(
     windows = []
     in_cam = cam_from_target @ markers.points_in_target
     for (u, v), point in zip(camera.project(in_cam), in_cam, strict=True):
-        if point[2] <= markers.radius_m:
+        if point[2] <= markers.radius_m or not np.isfinite(u):
             continue
         reach = markers.radius_m * max(camera.fx, camera.fy) / point[2] + WINDOW_MARGIN_PX
         left, top = max(0, int(np.floor(u - reach))), max(0, int(np.floor(v - reach)))
