@@ -336,11 +336,9 @@ class RelativeNavigation:
         )
 
 
-def _fault(found: Estimate) -> str | None:
-    """Say what is wrong with the covariance of an estimate's pose, or nothing."""
-    if found.pose is None or found.pose.covariance is None:
-        return "no covariance"
-    return covariance_fault(found.pose.covariance)
+def _fault(found: Estimate) -> str:
+    """Say what is wrong with the covariance of an estimate's pose; empty where nothing is."""
+    return covariance_fault(None if found.pose is None else found.pose.covariance)
 
 
 def _diagonal(first: float, second: float) -> Floats:

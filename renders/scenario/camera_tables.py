@@ -164,20 +164,18 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
         )
 
 
-def check_lens(camera: Camera, where: str) -> None:
-    """Refuse a distortion that folds the image over within itself.
+def check_lens(made: Callable[[], Camera], where: str) -> None:
+    """Refuse a camera that cannot be, such as one whose distortion folds the image over.
 
     Raises
     ------
     ScenarioError
-        The message names the keys.
+        The message names the file and the keys.
     """
-    if not camera.can_be_undone():
-        raise ScenarioError(
-            f"{where}: expected camera.k1, k2, p1, p2 and k3 that can be undone over the whole "
-            f"image, got {', '.join(f'{x:g}' for x in camera.distortion)}; they fold it over: "
-            "give smaller ones, and check their order"
-        )
+    try:
+        made()
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
 
 
 def check_detector(detector: Detector, where: str) -> None:

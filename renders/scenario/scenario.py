@@ -220,10 +220,8 @@ class Scenario(Table):
         return tomli_w.dumps(json.loads(self.model_dump_json(exclude_none=True)))
 
     def fingerprint(self) -> str:
-        """Return a hash of everything in it that shapes a dataset: not its prose, nor what is asked."""
-        table = self.model_dump(
-            mode="json", exclude={"description", "limits", "asked"}, exclude_none=True
-        )
+        """Return a hash of everything in it that shapes a dataset."""
+        table = self.model_dump(mode="json", exclude=SHAPING_NOTHING, exclude_none=True)
         return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
@@ -356,7 +354,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
     camera_preset(scenario.camera.preset)
-    check_lens(scenario.simulated_camera, where)
+    check_lens(lambda: scenario.simulated_camera, where)
     check_detector(scenario.simulated_detector, where)
     return scenario
 
