@@ -38,7 +38,7 @@ from renders.tracing.light_groups import (
     LightGroup,
     SunGroup,
 )
-from renders.tracing.silhouette import pieces_of, pixels_in_view, sees
+from renders.tracing.silhouette import in_sight, pieces_of, pixels_in_view, sees
 
 PRIOR_DRAW, CALIBRATION_DRAW = 101, 102  # purposes that key a run's random numbers
 BANDS = (800, 850)
@@ -228,7 +228,9 @@ class World:
         return int(sequence.generate_state(1)[0])
 
     def check_poses(self) -> None:
-        """Refuse a motion that takes the camera inside the target.
+        """Refuse a motion that takes the camera inside the target, or never shows it.
+
+        A frame without the target is one of black sky and noise, as a camera would take it.
 
         Raises
         ------
@@ -245,6 +247,19 @@ class World:
                     f"({where}) m in the target frame, inside {self.target.name}; "
                     "end the motion earlier (motion.end_s, or --span-s)"
                 )
+        if not any(self.shows_target(exposure) for exposure in self.exposures):
+            motion = self.scenario.motion
+            raise ScenarioError(
+                f"expected a motion that shows {self.target.name} in some image, got one that "
+                f"has it out of view in all {len(self.exposures)}, from {motion.start_s:g} to "
+                f"{motion.end_s:g} s; choose other times (motion.start_s and end_s, or --span-s)"
+            )
+
+    def shows_target(self, exposure: Exposure) -> bool:
+        """Tell whether some of the target can be within an image."""
+        cam_from_target = self.trajectory.cam_from_target(exposure.time_s)
+        pieces = pieces_of(self.target, None, cam_from_target)
+        return in_sight(pieces, self.camera, cam_from_target)
 
     def knowledge(self, run: int) -> FlightKnowledge:
         """Return what is loaded on board in a run: its own prior and its own calibration."""
@@ -317,12 +332,26 @@ class World:
                     f"{self.scenario.name}: expected exposure.mode as auto or fixed where no prior "
                     "is known on board, got 'schedule'"
                 )
-            return [
+            entries = [
                 FrameEntry(frame, time_s, self.exposure_ms(time_s, prior))
                 for frame, time_s in enumerate(times_s)
             ]
+            self._check_schedule(entries)
+            return entries
         known = times_s if table.mode == "fixed" else times_s[:1]
         return [FrameEntry(frame, time_s, table.exposure_ms) for frame, time_s in enumerate(known)]
+
+    def _check_schedule(self, entries: list[FrameEntry]) -> None:
+        """Refuse lamps so faint, or so far off, that exposures would last into the next."""
+        longest = max(entries, key=lambda entry: entry.exposure_ms)
+        gap_ms = self.scenario.motion.pair_gap_ms
+        if longest.exposure_ms >= gap_ms:
+            raise ScenarioError(
+                f"expected exposures below motion.pair_gap_ms, {gap_ms:g} ms, got one of "
+                f"{longest.exposure_ms:.3g} ms at {longest.time_s:g} s, in which the lamps fill a "
+                "marker to exposure.marker_fill; give more lamps.intensity_w_sr, or "
+                'exposure.mode = "fixed"'
+            )
 
 
 def sun_group(text: str) -> SunGroup:
