@@ -182,8 +182,18 @@ class TumbleWorld(World):
                 f"lies at {self.target.centre_of_mass.tolist()} m: a free body turns about it"
             )
         for exposure in self.exposures:
-            self._check_seen(exposure.time_s)
             self._check_sunlit(exposure.time_s)
+
+    def check_view(self) -> None:
+        """Refuse an image without the target's centre: it is followed from each to the next.
+
+        Raises
+        ------
+        ScenarioError
+            The message names the time.
+        """
+        for exposure in self.exposures:
+            self._check_seen(exposure.time_s)
 
     def _check_seen(self, time_s: float) -> None:
         centre = self.tumble.cam_from_target(time_s).translation

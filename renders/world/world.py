@@ -247,6 +247,15 @@ class World:
                     f"({where}) m in the target frame, inside {self.target.name}; "
                     "end the motion earlier (motion.end_s, or --span-s)"
                 )
+        self.check_view()
+
+    def check_view(self) -> None:
+        """Refuse a motion that shows the target in no image.
+
+        Raises
+        ------
+        ScenarioError
+        """
         if not any(self.shows_target(exposure) for exposure in self.exposures):
             motion = self.scenario.motion
             raise ScenarioError(
