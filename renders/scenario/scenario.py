@@ -40,6 +40,7 @@ from renders.scenario.camera_tables import (
 )
 from renders.scenario.errors import explain
 from renders.scenario.light_tables import EarthTable, FloodlightTable, check_earth
+from renders.scenario.picture_checks import check_picture
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.table import Name, Prose, Table
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
@@ -356,6 +357,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     camera_preset(scenario.camera.preset)
     check_lens(lambda: scenario.simulated_camera, where)
     check_detector(scenario.simulated_detector, where)
+    check_picture(scenario, where)
     return scenario
 
 

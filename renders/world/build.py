@@ -24,8 +24,10 @@ from renders.world.cameras import pair_camera, single_camera
 from renders.world.checks import (
     Sunlit,
     centre_in_image,
+    exposed_before_the_next,
     free_about_its_centre,
     outside_the_target,
+    shown_in_some_image,
 )
 from renders.world.exposure_plan import ExposurePlan, FillOfMarkers, Planned
 from renders.world.onboard import BeforeFlight, FirstPose
@@ -68,7 +70,7 @@ def _pairs(scenario: Scenario) -> World:
             first_pose=FirstPose(approach, scenario.times_s[0], scenario.prior),
         ),
         truth=of_markers,
-        checks=(outside_the_target,),
+        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next),
     )
 
 
