@@ -35,7 +35,7 @@ from renders.batches.dataset_writer import (
 )
 from renders.batches.public_half import dataset_info, public_files
 from renders.batches.replay import light_record, lit_otherwise, needed_keys, read_depth
-from renders.batches.studio import Studio
+from renders.batches.studio import Studio, start_renderer
 from renders.detector.compose import compose
 from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import RenderRequest, resolve
@@ -44,7 +44,7 @@ from renders.store.kept_light import checked_budget, keeping
 from renders.store.kept_windows import windows_by_marker, write_windows
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, default_store
-from renders.variant.choice import activate, choose_variant
+from renders.variant.choice import choose_variant
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
 from renders.world.world import World
@@ -106,7 +106,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     uses_store = kept.uses_store and bool(left or request.seeds > 1)
     if uses_store:
         store.open_for_writing()
-    _activate(variant, request.threads)
+    start_renderer(variant, request.threads)
     console = console or plain_console(stderr=True)
     frames = "image pairs" if len(world.bands) > 1 else "images"
     console.print(
@@ -187,14 +187,6 @@ def _put_pixel_truth(
     writer.write_pixel_truth(*place, studio.pixel_truth(cam_from_target), key)
     if studio.kept.keeps_whole(exposure.frame):
         studio.store.take(key, writer.geometry_path(*place))
-
-
-def _activate(variant: str, threads: int | None) -> None:
-    activate(variant)
-    if threads is not None:
-        import drjit
-
-        drjit.set_thread_count(threads)
 
 
 def _progress(console: Console) -> Progress:

@@ -18,6 +18,7 @@ from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, as_half
 from renders.tracing.light_groups import LightGroup
 from renders.truth.makers import SealedRecord
+from renders.variant.choice import activate
 from renders.world.exposure import Exposure
 from renders.world.world import World
 
@@ -141,3 +142,12 @@ class Studio:
             cam_from_target,
             self.world.silhouette(cam_from_target),
         )
+
+
+def start_renderer(variant: str, threads: int | None) -> None:
+    """Choose Mitsuba's variant for this process, and how many threads it takes; None: all cores."""
+    activate(variant)
+    if threads is not None:
+        import drjit
+
+        drjit.set_thread_count(threads)

@@ -29,11 +29,11 @@ from renders.world.checks import (
     outside_the_target,
     shown_in_some_image,
 )
-from renders.world.exposure_plan import ExposurePlan, FillOfMarkers, Planned
+from renders.world.exposure_plan import ExposurePlan, FillOfMarkers, Planned, TypedSchedule
 from renders.world.onboard import BeforeFlight, FirstPose
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
 from renders.world.table_sensors import ChaserNavigation
-from renders.world.trajectory import FreeMotion, Trajectory
+from renders.world.trajectory import FreeMotion
 from renders.world.world import World
 
 SHORTEST_S = 1.0  # a motion of one frame lasts, too
@@ -59,9 +59,7 @@ def _pairs(scenario: Scenario) -> World:
         trajectory=approach,
         sky=_sky(scenario, FixedInTarget(scenario.earth, scenario.stars, approach.wobble)),
         sensor=sensor,
-        plan=ExposurePlan(
-            scenario.exposure, _planned(scenario, flight_plan, bodies.optics), share=1.0
-        ),
+        plan=_plan(scenario, FillOfMarkers(scenario, flight_plan, bodies.optics), share=1.0),
         before_flight=BeforeFlight(
             camera=sensor.camera,
             calibration=scenario.calibration,
@@ -82,6 +80,7 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
     motion = _free_motion(scenario, table)
     bodies, sensor = _bodies(scenario), single_camera(scenario)
     wireframe, told = wireframe_by_name(scenario.target), table.onboard
+    share = scenario.pixel_scale**2
     return World(
         scenario=scenario,
         chain=TUMBLES,
@@ -89,11 +88,7 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
         trajectory=motion,
         sky=_sky(scenario, TurningWithOrbit(motion)),
         sensor=sensor,
-        plan=ExposurePlan(
-            scenario.exposure,
-            _planned(scenario, motion, bodies.optics),
-            share=scenario.pixel_scale**2,
-        ),
+        plan=_plan(scenario, FillOfMarkers(scenario, motion, bodies.optics), share),
         before_flight=BeforeFlight(
             camera=sensor.camera,
             calibration=scenario.calibration,
@@ -136,8 +131,13 @@ def _sky(scenario: Scenario, turning: Turning) -> Sky:
     return Sky(turning, sun_group(scenario.sun.default), shared, scenario.earth)
 
 
-def _planned(scenario: Scenario, flight_plan: Trajectory, optics: RetroreflectorOptics) -> Planned:
-    return FillOfMarkers(scenario, flight_plan, optics)
+def _plan(scenario: Scenario, unless_typed: Planned, share: float) -> ExposurePlan:
+    planned, rows = unless_typed, scenario.exposure.schedule_ms
+    if rows:
+        planned = TypedSchedule(
+            tuple(row[0] for row in rows), tuple(row[1] * share for row in rows)
+        )
+    return ExposurePlan(scenario.exposure, planned, share)
 
 
 def _free_motion(scenario: Scenario, table: TumbleTable) -> FreeMotion:

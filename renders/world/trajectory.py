@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from models.arrays import Floats
+from models.errors import ScenarioError
 from models.motion.relative_state import ChaserState, RelativeState
 from models.motion.tumble import OVERTIME_S, Tumble
 from models.pose import RigidTransform
@@ -61,6 +62,19 @@ class FreeMotion:
         if self._end_beside(time_s) is None:
             return self.tumble.chaser_state(time_s)
         return self.tumble.orbit.state(time_s)
+
+    def check_time(self, time_s: float) -> None:
+        """Refuse an instant outside the motion.
+
+        Raises
+        ------
+        ScenarioError
+        """
+        if self._end_beside(time_s) is not None:
+            raise ScenarioError(
+                f"expected a time between 0 and {self.tumble.duration_s:g} s, where the target's "
+                f"motion ends, got {time_s:g} s; give a later motion.end_s"
+            )
 
     def _target_from_inertial(self, time_s: float) -> Floats:
         inertial_from_lvlh = self.tumble.orbit.inertial_from_lvlh(time_s)
