@@ -6,7 +6,6 @@ Axes are OpenCV's: x right, y down, z forward. Pixel centres are integers, so th
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
@@ -15,10 +14,24 @@ import tomli_w
 from numpy.typing import ArrayLike
 
 from models.arrays import Floats, Mask
-from models.errors import ScenarioError, cause
+from models.errors import ScenarioError, UnreadableError, cause
+from models.reading.shown import shown
+from models.reading.toml_file import read_toml
 
 UNDISTORT_TOLERANCE = 1e-12  # in normalised coordinates: 2e-9 px at f = 2196 px
 UNDISTORT_ITERATIONS = 50
+UNDISTORT_PLACES = 33  # a side, where a distortion is tried
+MOST_SIDE_PX = 65_535
+MOST_FOCAL_PX = 1e8  # 5 mm a pixel at 500 km; what is beyond is no camera
+BOUNDS = {
+    "width": (1, MOST_SIDE_PX),
+    "height": (1, MOST_SIDE_PX),
+    "fx": (1e-3, MOST_FOCAL_PX),
+    "fy": (1e-3, MOST_FOCAL_PX),
+    "cx": (-1e6, 1e6),
+    "cy": (-1e6, 1e6),
+    **dict.fromkeys(("k1", "k2", "p1", "p2", "k3"), (-1e6, 1e6)),
+}
 
 
 @dataclass(frozen=True)
@@ -57,13 +70,21 @@ class Camera:
         for field in fields(self):
             value = getattr(self, field.name)
             if isinstance(value, bool) or not isinstance(value, int | float):
-                raise ScenarioError(f"camera: expected a number for {field.name}, got {value!r}")
-            if not np.isfinite(value):
+                raise ScenarioError(
+                    f"camera: expected a number for {field.name}, got {shown(value)}"
+                )
+            if isinstance(value, float) and not np.isfinite(value):
                 raise ScenarioError(f"camera: expected a finite {field.name}, got {value}")
         for name in ("width", "height", "fx", "fy"):
             if getattr(self, name) <= 0:
                 raise ScenarioError(
-                    f"camera: expected {name} in px above zero, got {getattr(self, name)}"
+                    f"camera: expected {name} in px above zero, got {shown(getattr(self, name))}"
+                )
+        for name, (low, high) in BOUNDS.items():
+            if not low <= getattr(self, name) <= high:
+                raise ScenarioError(
+                    f"camera: expected {name} from {low:g} to {high:g}, "
+                    f"got {shown(getattr(self, name))}"
                 )
 
     @classmethod
@@ -153,6 +174,18 @@ class Camera:
             "check the coefficients' order (k1, k2, p1, p2, k3)"
         )
 
+    def can_be_undone(self) -> bool:
+        """Tell whether ``undistort`` finds a way back from all over the image."""
+        if not self.distorted:
+            return True
+        u = np.linspace(-0.5, self.width - 0.5, UNDISTORT_PLACES)
+        v = np.linspace(-0.5, self.height - 0.5, UNDISTORT_PLACES)
+        try:
+            undistorted = self.normalise(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
+        except ValueError:
+            return False
+        return bool(np.isfinite(undistorted).all())
+
     def _distortion_slopes(self, normalised: Floats) -> tuple[Floats, Floats, Floats]:
         """Return dx'/dx, dx'/dy = dy'/dx and dy'/dy of ``distort``; the matrix is symmetric."""
         x, y = np.moveaxis(normalised, -1, 0)
@@ -213,13 +246,13 @@ class Camera:
             If the file is missing, is not TOML, or has an unknown or a missing key.
         """
         try:
-            table = tomllib.loads(path.read_text())
-        except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            table = read_toml(path)
+        except UnreadableError as error:
             raise ScenarioError(
                 f"{path}: expected a camera as TOML, got: {cause(error)}"
             ) from error
         known = {field.name for field in fields(cls)}
-        unknown = sorted(set(table) - known)
+        unknown = [shown(key)[1:-1] for key in sorted(set(table) - known)[:10]]
         missing = sorted({"width", "height", "fx", "fy", "cx", "cy"} - set(table))
         if unknown or missing:
             raise ScenarioError(
@@ -228,11 +261,18 @@ class Camera:
             )
         for key in ("width", "height"):
             if not isinstance(table[key], int):
-                raise ScenarioError(f"{path}: expected an integer {key}, got {table[key]!r}")
+                raise ScenarioError(f"{path}: expected an integer {key}, got {shown(table[key])}")
         try:
-            return cls(**table)
+            camera = cls(**table)
         except ScenarioError as error:
             raise ScenarioError(f"{path}: {str(error).removeprefix('camera: ')}") from error
+        if not camera.can_be_undone():
+            raise ScenarioError(
+                f"{path}: expected a distortion that can be undone over the whole image, got "
+                f"{', '.join(f'{x:g}' for x in camera.distortion)}; "
+                "check the coefficients' order (k1, k2, p1, p2, k3)"
+            )
+        return camera
 
 
 CAMERAS: dict[str, Camera] = {

@@ -2,60 +2,75 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
+from models.camera import Camera
 from models.errors import ScenarioError
-from renders.scenario.table import Table
+from models.sensors.camera_chip import Detector
+from renders.scenario.table import Name, Table
+
+Radial = Annotated[float, Field(ge=-10, le=10)]  # what folds within the image is refused below
+Tangential = Annotated[float, Field(ge=-1, le=1)]
+LEAST_LEVELS_DN = 10.0  # from bias to saturation: with fewer there is no picture
+MOST_READ_NOISE = 0.1  # of what a pixel can tell
 
 
 class CameraTable(Table):
     """Which camera flies, as simulated."""
 
-    preset: str = Field("chaser_fixed", description="chaser_fixed or eye_in_hand")
+    preset: Name = Field("chaser_fixed", description="chaser_fixed or eye_in_hand")
     width: int = Field(2048, ge=64, le=8192, description="columns; the field of view stays")
-    k1: float = 0.0
-    k2: float = 0.0
-    p1: float = 0.0
-    p2: float = 0.0
-    k3: float = 0.0
+    k1: Radial = 0.0
+    k2: Radial = 0.0
+    p1: Tangential = 0.0
+    p2: Tangential = 0.0
+    k3: Radial = 0.0
 
 
 class OpticsTable(Table):
     """The lens; see ``models.sensors.camera_chip.Optics``."""
 
-    f_number: float = Field(16.0, gt=0)
-    transmission: float = Field(0.8, gt=0, le=1)
-    psf_sigma_px: float = Field(0.5, ge=0, description="on the native 13.5 um pixel")
+    f_number: float = Field(16.0, ge=0.5, le=1000, description="no lens is below 0.5")
+    transmission: float = Field(0.8, ge=1e-4, le=1)
+    psf_sigma_px: float = Field(0.5, ge=0, le=50, description="on the native 13.5 um pixel")
     vignetting: bool = True
-    focus_m: float = Field(0.0, ge=0, description="depth that is sharp; 0: sharp at any depth")
+    focus_m: float = Field(
+        0.0, ge=0, le=1e6, description="depth that is sharp; 0: sharp at any depth"
+    )
     veiling_glare: float = Field(0.0, ge=0, le=0.5, description="share of the scene's light")
-    veiling_glare_px: float = Field(400.0, ge=20, description="how wide, on the native pixel")
+    veiling_glare_px: float = Field(
+        400.0, ge=20, le=1e5, description="how wide, on the native pixel"
+    )
 
 
 class DetectorTable(Table):
     """The chip; see ``models.sensors.camera_chip.Detector``."""
 
-    pixel_pitch_um: float = Field(13.5, gt=0, description="at 2048 columns")
-    quantum_efficiency: float = Field(0.5, gt=0, le=1)
-    prnu: float = Field(0.005, ge=0)
-    dark_current_e_s: float = Field(20.0, ge=0)
-    full_well_e: float = Field(100_000.0, gt=0)
+    pixel_pitch_um: float = Field(13.5, ge=0.1, le=1000, description="at 2048 columns")
+    quantum_efficiency: float = Field(0.5, ge=1e-4, le=1)
+    prnu: float = Field(0.005, ge=0, le=0.5)
+    dark_current_e_s: float = Field(20.0, ge=0, le=1e7)
+    full_well_e: float = Field(100_000.0, ge=100, le=1e8)
     blooming: float = Field(0.0, ge=0, le=1)
-    read_noise_e: float = Field(12.0, ge=0)
-    gain_e_dn: float = Field(26.0, gt=0)
-    bias_dn: float = Field(100.0, ge=0)
+    read_noise_e: float = Field(12.0, ge=0, le=1e5)
+    gain_e_dn: float = Field(26.0, ge=1e-3, le=1e6)
+    bias_dn: float = Field(100.0, ge=0, le=65_535)
     bits: int = Field(12, ge=8, le=16)
 
 
 class LensScatterTable(Table):
     """Sunlight scattered in the lens; see ``models.sensors.lens_scatter``."""
 
-    peak_1_sr: float = Field(0.0, ge=0, description="towards the Sun; some 10 for a clean lens")
+    peak_1_sr: float = Field(
+        0.0, ge=0, le=1e6, description="towards the Sun; some 10 for a clean lens"
+    )
     shoulder_deg: float = Field(0.6, gt=0.01, le=30)
-    slope: float = Field(2.0, gt=0, le=4)
-    hood_deg: float = Field(90.0, gt=0, le=90, description="off axis; the hood shades a Sun beyond")
+    slope: float = Field(2.0, ge=0.01, le=4)
+    hood_deg: float = Field(
+        90.0, ge=0.01, le=90, description="off axis; the hood shades a Sun beyond"
+    )
     hood_leak: float = Field(0.0, ge=0, le=1)
 
 
@@ -63,10 +78,15 @@ class RadiationTable(Table):
     """Energetic particles; see ``renders.detector.radiation_hits``."""
 
     flux_cm2_s: float = Field(
-        0.0, ge=0, description="through the chip; GEO: 5 at solar minimum, 2 at maximum"
+        0.0,
+        ge=0,
+        le=10_000,
+        description="through the chip; GEO: 5 at solar minimum, some 3000 in a great flare",
     )
-    depth_um: float = Field(40.0, gt=0, description="of the silicon that collects charge")
-    charge_e_um: float = Field(106.0, gt=0, description="left along a particle's way")
+    depth_um: float = Field(
+        40.0, ge=0.1, le=1000, description="of the silicon that collects charge"
+    )
+    charge_e_um: float = Field(106.0, ge=0.1, le=1e6, description="left along a particle's way")
 
 
 class ExposureTable(Table):
@@ -79,13 +99,17 @@ class ExposureTable(Table):
     """
 
     mode: Literal["schedule", "auto", "fixed"] = "schedule"
-    marker_fill: float = Field(0.6, gt=0, le=1, description="schedule: share of full well, on axis")
-    exposure_ms: float = Field(1.0, gt=0, description="fixed: each frame's; auto: the first's")
+    marker_fill: float = Field(
+        0.6, ge=1e-3, le=1, description="schedule: share of full well, on axis"
+    )
+    exposure_ms: float = Field(
+        1.0, ge=1e-4, le=1e5, description="fixed: each frame's; auto: the first's"
+    )
     percentile: float = Field(99.9, ge=1, le=100, description="auto: of the levels, is metered")
-    percentile_fill: float = Field(0.6, gt=0, le=0.95, description="auto: share of the range")
-    max_step: float = Field(2.0, gt=1, description="auto: largest factor between frames")
-    min_ms: float = Field(0.01, gt=0, description="auto: shortest")
-    max_ms: float = Field(20.0, gt=0, description="auto: longest")
+    percentile_fill: float = Field(0.6, ge=1e-3, le=0.95, description="auto: share of the range")
+    max_step: float = Field(2.0, gt=1, le=1000, description="auto: largest factor between frames")
+    min_ms: float = Field(0.01, ge=1e-4, le=1e5, description="auto: shortest")
+    max_ms: float = Field(20.0, ge=1e-4, le=1e5, description="auto: longest")
 
 
 NEAREST_FOCUS_M = 0.1  # lenses of this kind focus no nearer; a thin lens never within its f
@@ -137,4 +161,50 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
         raise ScenarioError(
             f"{where}: expected exposure.{key} below {gap}, {gap_ms:g} ms, "
             f"when the next exposure begins, got {longest:g} ms"
+        )
+
+
+def check_lens(camera: Camera, where: str) -> None:
+    """Refuse a distortion that folds the image over within itself.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the keys.
+    """
+    if not camera.can_be_undone():
+        raise ScenarioError(
+            f"{where}: expected camera.k1, k2, p1, p2 and k3 that can be undone over the whole "
+            f"image, got {', '.join(f'{x:g}' for x in camera.distortion)}; they fold it over: "
+            "give smaller ones, and check their order"
+        )
+
+
+def check_detector(detector: Detector, where: str) -> None:
+    """Refuse electronics that leave no picture: all bias, all noise, or fewer than ten levels.
+
+    Parameters
+    ----------
+    detector : Detector
+        As typed, or of a file.
+    where : str
+
+    Raises
+    ------
+    ScenarioError
+        The message names the keys.
+    """
+    levels_dn = detector.saturation_dn - detector.bias_dn
+    if levels_dn < LEAST_LEVELS_DN:
+        raise ScenarioError(
+            f"{where}: expected detector.bias_dn, full_well_e, gain_e_dn and bits to leave at "
+            f"least {LEAST_LEVELS_DN:g} DN between bias and saturation, got {levels_dn:.3g} with "
+            f"a bias of {detector.bias_dn:g} DN, a full well of {detector.full_well_e:g} e at "
+            f"{detector.gain_e_dn:g} e/DN, and {detector.max_dn} the largest number"
+        )
+    told_e = levels_dn * detector.gain_e_dn
+    if detector.read_noise_e > MOST_READ_NOISE * told_e:
+        raise ScenarioError(
+            f"{where}: expected detector.read_noise_e of at most a tenth of what a pixel can tell, "
+            f"{told_e:.3g} e between bias and saturation, got {detector.read_noise_e:g} e"
         )

@@ -10,11 +10,20 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from models.reading.bounds import MOST_NAME
+from models.reading.shown import shown, shown_line
+
+MOST_SAID = 10  # faults in one message
+
 EXPECTATIONS = {
     "greater_than": "above {gt:g}",
     "greater_than_equal": "of at least {ge:g}",
     "less_than": "below {lt:g}",
     "less_than_equal": "of at most {le:g}",
+    "int_parsing_size": "to be a whole number of fewer digits",
+    "string_too_long": "to be at most {max_length} characters",
+    "not_printable": "to be printable text",
+    "not_a_name": "to be printable text on one line",
     "finite_number": "to be finite",
     "int_type": "to be a whole number",
     "int_parsing": "to be a whole number",
@@ -31,6 +40,8 @@ EXPECTATIONS = {
     "missing": "to be a list of {length}",
 }
 """What pydantic's kinds of error come to, in the words of someone who writes TOML."""
+ENDS = ("ge", "gt", "le", "lt")
+OUT_OF_RANGE = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
 def explain(
@@ -48,8 +59,10 @@ def explain(
     options : mapping of str to str
         Keys that were typed as options, and the option's name.
     """
-    said = [_item(dict(item), root, options) for item in error.errors()]
-    return f"{where}: " + "; ".join(dict.fromkeys(said))
+    faults = error.errors()
+    said = dict.fromkeys(_item(dict(item), root, options) for item in faults[:MOST_SAID])
+    more = [f"and {len(faults) - MOST_SAID} more"] if len(faults) > MOST_SAID else []
+    return f"{where}: " + "; ".join([*said, *more])
 
 
 def _item(item: dict[str, Any], root: type[BaseModel], options: Mapping[str, str]) -> str:
@@ -62,24 +75,40 @@ def _item(item: dict[str, Any], root: type[BaseModel], options: Mapping[str, str
     location = location[:-1] if too_short else location
     field = _field(location, root)
     length = len(get_args(field.annotation)) if field is not None else 0
-    expected = f"otherwise ({item['msg'].lower()})"
+    expected = f"otherwise ({shown_line(item['msg'].lower())})"
     if kind in EXPECTATIONS:
         expected = EXPECTATIONS[kind].format(length=length, **item.get("ctx", {}))
+        if kind in OUT_OF_RANGE and field is not None:
+            expected = _range(field) or expected
     hint = f" ({field.description})" if field is not None and field.description else ""
     key = options.get(_key(location), _key(location))
-    return f"expected {key} {expected}{hint}, got {came!r}"
+    return f"expected {key} {expected}{hint}, got {shown(came)}"
+
+
+def _range(field: FieldInfo) -> str:
+    """Return the whole range of a field that has two ends; nothing for another."""
+    ends = {
+        name: getattr(fact, name) for fact in field.metadata for name in ENDS if hasattr(fact, name)
+    }
+    if "le" in ends and "ge" in ends:
+        return f"from {ends['ge']:g} to {ends['le']:g}"
+    if len(ends) == 2:
+        low = f"above {ends['gt']:g}" if "gt" in ends else f"of at least {ends['ge']:g}"
+        high = f"below {ends['lt']:g}" if "lt" in ends else f"at most {ends['le']:g}"
+        return f"{low} and {high}"
+    return ""
 
 
 def _unknown(location: tuple[Any, ...], root: type[BaseModel]) -> str:
     table = _table(location[:-1], root)
     known = list(table.model_fields) if table is not None else []
-    near = difflib.get_close_matches(str(location[-1]), known, n=1)
+    near = difflib.get_close_matches(str(location[-1])[:MOST_NAME], known, n=1)
     hint = f"; perhaps you meant {near[0]}" if near else ""
     return f"unknown key {_key(location)}; expected one of {', '.join(known)}{hint}"
 
 
 def _key(location: tuple[Any, ...]) -> str:
-    return ".".join(str(part) for part in location)
+    return shown_line(".".join(str(part)[:MOST_NAME] for part in location))
 
 
 def _field(location: tuple[Any, ...], root: type[BaseModel]) -> FieldInfo | None:

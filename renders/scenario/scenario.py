@@ -9,17 +9,20 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import tomli_w
-from pydantic import Field, NonNegativeFloat, ValidationError
+from pydantic import Field, ValidationError
 
 from models.camera import Camera, camera_preset
-from models.errors import ScenarioError, cause
+from models.errors import ScenarioError, UnreadableError, cause
 from models.lights.sun import sun_direction
+from models.reading.bounds import MOST_NAME
+from models.reading.regular_file import MEGABYTE
+from models.reading.shown import shown
+from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
 from renders.scenario.camera_tables import (
@@ -29,13 +32,15 @@ from renders.scenario.camera_tables import (
     LensScatterTable,
     OpticsTable,
     RadiationTable,
+    check_detector,
     check_exposure,
     check_focus,
+    check_lens,
 )
 from renders.scenario.errors import explain
 from renders.scenario.light_tables import EarthTable, FloodlightTable, check_earth
 from renders.scenario.sky_tables import StarsTable, check_stars
-from renders.scenario.table import Table
+from renders.scenario.table import Name, Prose, Table
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
 
 CASES = Path(__file__).resolve().parents[2] / "bench" / "cases"
@@ -48,15 +53,23 @@ OPTIONS = {
     "sun.default": "--sun",
 }
 """Which option stands for which key."""
+MOST_FRAMES = 100_000  # over five hours at 5 Hz; a motion of more is a slip
+MOST_THREADS = 512
+MOST_SCENARIO_BYTES = MEGABYTE
+
+SigmaM = Annotated[float, Field(ge=0, le=1000)]
+SigmaDeg = Annotated[float, Field(ge=0, le=180)]
 
 
 class LampsTable(Table):
     """The 800 and 850 nm LED rings; see ``models.lights.led_beam``."""
 
-    intensity_w_sr: float = Field(12.0, gt=0, description="on axis, all LEDs of a wavelength")
+    intensity_w_sr: float = Field(
+        12.0, ge=1e-6, le=1e6, description="on axis, all LEDs of a wavelength"
+    )
     count: int = Field(8, ge=1, le=64)
-    radius_m: float = Field(0.03, gt=0, le=0.05)
-    half_intensity_deg: float = Field(25.0, gt=0, lt=90)
+    radius_m: float = Field(0.03, ge=1e-4, le=0.05)
+    half_intensity_deg: float = Field(25.0, ge=0.1, lt=90)
 
 
 class SunTable(Table):
@@ -65,8 +78,10 @@ class SunTable(Table):
     With ``[tumble]`` a vector in the inertial frame of the orbit.
     """
 
-    default: str = Field("S2", description='S1 to S7, or a vector such as "0.2,-0.5,1"')
-    shared: tuple[str, ...] = Field((), description="Suns rendered in one pass with any other")
+    default: Name = Field("S2", description='S1 to S7, or a vector such as "0.2,-0.5,1"')
+    shared: Annotated[tuple[Name, ...], Field(strict=False, max_length=1000)] = Field(
+        (), description="Suns rendered in one pass with any other"
+    )
 
 
 class RetroreflectorTable(Table):
@@ -80,10 +95,12 @@ class RetroreflectorTable(Table):
 class MotionTable(Table):
     """The approach and its clock, or that of ``[tumble]``; see ``models.motion.approach``."""
 
-    start_s: float = Field(0.0, ge=0)
-    end_s: float = Field(330.0, gt=0)
-    rate_hz: float = Field(5.0, gt=0, le=15, description="pose rate; a pair is 33 ms apart")
-    pair_gap_ms: float = Field(33.0, gt=0, description="800 nm exposure before the 850 nm one")
+    start_s: float = Field(0.0, ge=0, le=1e6)
+    end_s: float = Field(330.0, gt=0, le=1e6)
+    rate_hz: float = Field(5.0, ge=1e-6, le=15, description="pose rate; a pair is 33 ms apart")
+    pair_gap_ms: float = Field(
+        33.0, ge=0.01, le=1e5, description="800 nm exposure before the 850 nm one"
+    )
     target_wobble: bool = Field(True, description="attitude motion of the stabilised target")
 
 
@@ -91,31 +108,37 @@ class RenderTable(Table):
     """How light is traced."""
 
     samples: int = Field(16, ge=1, le=4096, description="per pixel; best a power of two")
-    marker_samples: int = Field(4096, ge=1, description="per pixel in the marker windows")
+    marker_samples: int = Field(
+        4096, ge=1, le=65_536, description="per pixel in the marker windows"
+    )
     max_depth: int = Field(4, ge=1, le=32, description="surface interactions of a path")
-    seed: int = Field(1, ge=0)
+    seed: int = Field(1, ge=0, le=2**63 - 1)
 
 
 class PriorTable(Table):
     """1-sigma of the first pose, Opromolla 2022 Table 5."""
 
-    sigma_t_m: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat] = (0.017, 0.017, 0.05)
-    sigma_euler_deg: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat] = (1.0, 1.0, 1.0)
+    sigma_t_m: Annotated[tuple[SigmaM, SigmaM, SigmaM], Field(strict=False)] = (0.017, 0.017, 0.05)
+    sigma_euler_deg: Annotated[tuple[SigmaDeg, SigmaDeg, SigmaDeg], Field(strict=False)] = (
+        1.0,
+        1.0,
+        1.0,
+    )
 
 
 class CalibrationTable(Table):
     """1-sigma of the calibrated camera against the simulated one; zero is exact."""
 
-    sigma_focal_px: float = Field(0.0, ge=0)
-    sigma_principal_point_px: float = Field(0.0, ge=0)
+    sigma_focal_px: float = Field(0.0, ge=0, le=100)
+    sigma_principal_point_px: float = Field(0.0, ge=0, le=100)
 
 
 class Scenario(Table):
     """Everything that shapes a dataset: of image pairs, or of single images if it tumbles."""
 
-    name: str
-    description: str = ""
-    target: str = "maxar1300"
+    name: Name
+    description: Prose = ""
+    target: Name = "maxar1300"
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
     detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
@@ -265,11 +288,11 @@ def case_path(case: str) -> Path:
         if Path(case).is_file():
             return Path(case)
         raise ScenarioError(f"expected a scenario file at {case}, found none")
-    near = difflib.get_close_matches(case, case_names(), n=1)
+    near = difflib.get_close_matches(case[:MOST_NAME], case_names(), n=1)
     hint = f"; perhaps you meant {near[0]}" if near else ""
     raise ScenarioError(
         f"expected a case among {', '.join(case_names())}, or a path to a .toml file, "
-        f"got {case!r}{hint}"
+        f"got {shown(case)}{hint}"
     )
 
 
@@ -283,8 +306,8 @@ def read_scenario(path: Path) -> Scenario:
         message names file and key.
     """
     try:
-        table = tomllib.loads(path.read_text())
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        table = read_toml(path, MOST_SCENARIO_BYTES)
+    except UnreadableError as error:
         raise ScenarioError(f"{path}: expected a scenario as TOML, got: {cause(error)}") from error
     try:
         scenario = Scenario(**table)
@@ -307,6 +330,13 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
             f"{where}: expected motion.end_s after motion.start_s, "
             f"got {motion.start_s} to {motion.end_s} s"
         )
+    frames = (motion.end_s - motion.start_s) * motion.rate_hz
+    if frames >= MOST_FRAMES:
+        raise ScenarioError(
+            f"{where}: expected at most {MOST_FRAMES} frames, got {frames:.3g}: from "
+            f"{motion.start_s:g} to {motion.end_s:g} s at {motion.rate_hz:g} Hz; give an earlier "
+            "motion.end_s or a lower motion.rate_hz"
+        )
     check_tumble(scenario, where)
     gap = ("motion.pair_gap_ms", motion.pair_gap_ms)
     if not in_pairs:
@@ -318,7 +348,23 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     for name in (scenario.sun.default, *scenario.sun.shared):
         sun_direction(name)
     camera_preset(scenario.camera.preset)
+    check_lens(scenario.simulated_camera, where)
+    check_detector(scenario.simulated_detector, where)
     return scenario
+
+
+def check_threads(threads: int | None) -> None:
+    """Refuse a number of threads that no machine can start.
+
+    Raises
+    ------
+    ScenarioError
+    """
+    if threads is not None and not 1 <= threads <= MOST_THREADS:
+        raise ScenarioError(
+            f"expected --threads from 1 to {MOST_THREADS}, got {shown(threads)}; "
+            "leave it out to use all cores"
+        )
 
 
 def resolve(request: RenderRequest) -> Scenario:
@@ -329,11 +375,7 @@ def resolve(request: RenderRequest) -> Scenario:
     ScenarioError
         If the case, an option, or their combination cannot be used.
     """
-    if request.threads is not None and request.threads < 1:
-        raise ScenarioError(
-            f"expected --threads of at least 1, got {request.threads}; "
-            "leave it out to use all cores"
-        )
+    check_threads(request.threads)
     scenario = read_scenario(case_path(request.case))
     motion = {
         key: getattr(request, key)

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from models.errors import ScenarioError
 from models.sky.earth_pointing import GEO_RATE_DEG_H
-from renders.scenario.table import Table
+from renders.scenario.table import Numbers, Table, Triple
 
 UNIT_TOLERANCE = 1e-3  # a quaternion typed with four digits is one
 
@@ -27,10 +27,10 @@ class StarsTable(Table):
         lt=360,
         description="where +z points; a camera facing the deck sees the other end",
     )
-    q_target_from_icrs_wxyz: tuple[float, ...] = Field(
+    q_target_from_icrs_wxyz: Numbers = Field(
         (), description="instead of the zenith; of the nominal axes, at motion time 0"
     )
-    rate_in_target_deg_h: tuple[float, float, float] = Field(
+    rate_in_target_deg_h: Triple = Field(
         (0.0, -GEO_RATE_DEG_H, 0.0), description="of the nominal axes, in space, about themselves"
     )
 

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
 from models.errors import ScenarioError
+from models.lights.earth import EARTH_RADIUS_KM
 from models.lights.sun import SUN_CASES_DEG, sun_direction
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
-from renders.scenario.table import Table
+from renders.scenario.table import Numbers, Table, Triple
 
 if TYPE_CHECKING:
     from renders.scenario.scenario import Scenario
 
-Triple = tuple[float, float, float]
+Angle = Annotated[float, Field(ge=-3600, le=3600)]
+Speed = Annotated[float, Field(ge=-1000, le=1000)]
+Rate = Annotated[float, Field(ge=-360, le=360)]
+Moment = Annotated[float, Field(ge=-1e9, le=1e9)]
+Moments = Annotated[tuple[Moment, Moment, Moment], Field(strict=False)]
 UNIT_TOLERANCE = 1e-3  # a quaternion typed with four digits is one
 NO_EFFECT = {
     "lamps": None,
@@ -32,22 +37,26 @@ NO_EFFECT = {
 class OrbitTable(Table):
     """The chaser's orbit; see ``models.motion.kepler_orbit``."""
 
-    a_km: float = Field(gt=6478.137, description="semi-major axis")
-    e: float = Field(0.0, ge=0, lt=1)
+    a_km: float = Field(gt=6478.137, le=1e6, description="semi-major axis")
+    e: float = Field(0.0, ge=0, le=0.99)
     i_deg: float = Field(0.0, ge=0, le=180)
-    raan_deg: float = 0.0
-    argument_of_perigee_deg: float = 0.0
-    true_anomaly_deg: float = Field(0.0, description="at time zero")
+    raan_deg: Angle = 0.0
+    argument_of_perigee_deg: Angle = 0.0
+    true_anomaly_deg: Angle = Field(0.0, description="at time zero")
 
 
 class OnboardTable(Table):
     """What is known before flight; see ``models.uncooperative.UncooperativeKnowledge``."""
 
-    sigma_px: float = Field(1.0, gt=0, description="1-sigma of a corner, per axis, as expected")
-    chaser_sigma_m: float = Field(SIGMA_M, ge=0, description="per axis, of its own navigation")
-    chaser_sigma_m_s: float = Field(SIGMA_M_S, ge=0)
+    sigma_px: float = Field(
+        1.0, ge=1e-3, le=1000, description="1-sigma of a corner, per axis, as expected"
+    )
+    chaser_sigma_m: float = Field(
+        SIGMA_M, ge=0, le=1e6, description="per axis, of its own navigation"
+    )
+    chaser_sigma_m_s: float = Field(SIGMA_M_S, ge=0, le=1000)
     knows_inertia: bool = Field(True, description="whether the filters get the target's inertia")
-    range_m: tuple[float, ...] = Field((), description="nearest and farthest, if any is known")
+    range_m: Numbers = Field((), description="nearest and farthest, if any is known")
 
 
 class TumbleTable(Table):
@@ -59,10 +68,16 @@ class TumbleTable(Table):
 
     orbit: OrbitTable
     rho0_m: Triple = Field(description="chaser to target at time zero, local frame")
-    rho_dot0_m_s: Triple = Field((0.0, 0.0, 0.0), description="its rate in the turning frame")
-    omega0_deg_s: Triple = Field(description="inertial rate of the target, in target axes")
-    inertia_kg_m2: tuple[Triple, Triple, Triple] = Field(description="of the target, its axes")
-    q_lvlh_from_target_wxyz: tuple[float, ...] = Field(
+    rho_dot0_m_s: Annotated[tuple[Speed, Speed, Speed], Field(strict=False)] = Field(
+        (0.0, 0.0, 0.0), description="its rate in the turning frame"
+    )
+    omega0_deg_s: Annotated[tuple[Rate, Rate, Rate], Field(strict=False)] = Field(
+        description="inertial rate of the target, in target axes"
+    )
+    inertia_kg_m2: Annotated[tuple[Moments, Moments, Moments], Field(strict=False)] = Field(
+        description="of the target, its axes"
+    )
+    q_lvlh_from_target_wxyz: Numbers = Field(
         (1.0, 0.0, 0.0, 0.0), description="attitude at time zero, scalar first"
     )
     onboard: OnboardTable = OnboardTable()  # type: ignore[call-arg]
@@ -97,6 +112,12 @@ def check_tumble(scenario: Scenario, where: str) -> None:
         raise ScenarioError(
             f"{where}: expected stars.shine = false with [tumble]: their attitude is that of an "
             "Earth-pointing target"
+        )
+    perigee_km = table.orbit.a_km * (1.0 - table.orbit.e)
+    if perigee_km <= EARTH_RADIUS_KM:
+        raise ScenarioError(
+            f"{where}: expected tumble.orbit.a_km and e of an orbit outside the Earth, "
+            f"{EARTH_RADIUS_KM:g} km, got one with its perigee at {perigee_km:g} km"
         )
     wxyz = np.array(table.q_lvlh_from_target_wxyz)
     if wxyz.shape != (4,) or abs(np.linalg.norm(wxyz) - 1.0) > UNIT_TOLERANCE:

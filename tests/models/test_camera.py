@@ -178,7 +178,23 @@ def test_a_camera_file_comes_back_exactly(camera: Camera, focal: float, centre: 
     with TemporaryDirectory() as folder:
         path = Path(folder) / "camera.toml"
         path.write_text(camera.to_toml())
-        assert Camera.from_toml(path) == camera
+        if camera.can_be_undone():
+            assert Camera.from_toml(path) == camera
+        else:
+            with pytest.raises(ScenarioError, match="can be undone over the whole image"):
+                Camera.from_toml(path)
+
+
+@given(distorted_cameras())
+def test_lenses_as_calibrations_find_them_can_be_undone(camera: Camera) -> None:
+    assert camera.can_be_undone()
+
+
+def test_a_lens_that_folds_the_image_over_cannot_be_undone() -> None:
+    """Also where it folds at mid-field and the corners find a way back."""
+    assert CHASER.can_be_undone()
+    assert not replace(CHASER, k1=-5.0).can_be_undone()
+    assert not replace(CHASER, k1=1.0, k2=-30.0, k3=60.0).can_be_undone()
 
 
 def test_numpys_numbers_are_written_as_numbers(tmp_path: Path) -> None:
@@ -203,13 +219,41 @@ GOOD = CHASER.to_toml()
         (GOOD.replace("k1 = 0.0", 'k1 = "0.1"'), r"expected a number for k1, got '0.1'"),
         (GOOD.replace("k1 = 0.0", "k1 = [0.1]"), r"expected a number for k1, got \[0.1\]"),
         ("not toml at all", r"expected a camera as TOML, got: "),
+        pytest.param("fx = " + 5000 * "[", r"got: in line 1: nested more than 32 deep", id="deep"),
+        (GOOD.replace("fx = ", "fx = 1e300 #"), r"expected fx from 0.001 to 1e\+08, got 1e\+300"),
+        (GOOD.replace("fy = ", "fy = 1e-300 #"), r"expected fy from 0.001 to 1e\+08, got 1e-300"),
+        (
+            GOOD.replace("cx = ", "cx = -1e9 #"),
+            r"expected cx from -1e\+06 to 1e\+06, got -1000000000",
+        ),
+        (GOOD.replace("width = ", "width = 70000 #"), r"expected width from 1 to 65535, got 70000"),
+        (
+            GOOD.replace("fx = ", f"fx = {10**400} #"),
+            r"from 0.001 to 1e\+08, got a whole number of",
+        ),
+        (
+            GOOD.replace("k1 = 0.0", "k1 = 1e300"),
+            r"expected k1 from -1e\+06 to 1e\+06, got 1e\+300",
+        ),
+        (
+            GOOD.replace("k1 = 0.0", "k1 = -5"),
+            r"can be undone over the whole image, got -5, 0, 0, 0",
+        ),
+        pytest.param(GOOD + 4_000_000 * "#", r"more than 4 MB", id="4 MB"),
     ],
 )
 def test_a_bad_camera_file_is_refused_with_a_reason(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "camera.toml"
     path.write_text(text)
-    with pytest.raises(ScenarioError, match=said):
+    with pytest.raises(ScenarioError, match=said) as caught:
         Camera.from_toml(path)
+    assert str(caught.value).startswith(str(path))
+
+
+def test_a_camera_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    path = tmp_path / "camera.toml"
+    path.write_text("\ufeff" + GOOD)
+    assert Camera.from_toml(path) == CHASER
 
 
 def test_a_missing_or_binary_camera_file_is_refused(tmp_path: Path) -> None:

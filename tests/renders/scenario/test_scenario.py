@@ -195,9 +195,9 @@ def test_options_change_what_they_name_and_nothing_else() -> None:
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"spp": 0}, "at least 1|greater than or equal to 1"),
+        ({"spp": 0}, "from 1 to 4096"),
         ({"width": 10}, "64"),
-        ({"rate_hz": -1.0}, "above 0|greater than 0"),
+        ({"rate_hz": -1.0}, "from 1e-06 to 15"),
         ({"sun": "0,0,0"}, "length"),
         ({"start_s": 200.0, "end_s": 100.0}, "200.0 to 100.0 s"),
     ],
@@ -244,7 +244,7 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
             'mode = "auto"\nmin_ms = 2.0',
             "between exposure.min_ms and exposure.max_ms, got 1 with 2",
         ),
-        ('mode = "auto"\npercentile = 101.0', "expected exposure.percentile of at most 100"),
+        ('mode = "auto"\npercentile = 101.0', "expected exposure.percentile from 1 to 100"),
     ],
 )
 def test_exposures_that_cannot_be_are_refused(tmp_path: Path, text: str, said: str) -> None:
