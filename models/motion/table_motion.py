@@ -27,7 +27,10 @@ LARGEST_TURN_DEG = 120.0  # between rows: nearer to half a turn, the way round i
 class TableMotion(Protocol):
     """A motion of a table's."""
 
-    table: PoseTable
+    @property
+    def table(self) -> PoseTable:
+        """The poses, and what else is known of their times."""
+        ...
 
     def cam_from_target(self, time_s: float, /) -> RigidTransform:
         """Return the pose at a time."""
@@ -96,9 +99,7 @@ class SmoothMotion:
                 "expected two rows or more to interpolate between, got one; "
                 'motion.poses = "stills" takes it as it is'
             )
-        turns_deg = np.rad2deg(
-            (self._attitudes[1:] * self._attitudes[:-1].inv()).magnitude()  # type: ignore[index]
-        )
+        turns_deg = np.rad2deg((self._attitudes[1:] * self._attitudes[:-1].inv()).magnitude())
         widest = int(np.argmax(turns_deg))
         if turns_deg[widest] > LARGEST_TURN_DEG:
             raise ScenarioError(

@@ -79,13 +79,13 @@ def _read_poses(table: dict[str, Any], path: Path) -> None:
                 f"{path}: expected motion.file or motion.table, got both; leave one of them out"
             )
         file = path.parent / motion.pop("file")
-        lines = _read(lambda: read_pose_lines(file))
-        motion["table"] = lines
+        motion["table"] = lines = _read(lambda: read_pose_lines(file))
         poses = _read(lambda: pose_table(lines, file))
-    elif isinstance(lines := motion.get("table"), list) and all(type(x) is str for x in lines):
-        poses = _read(lambda: pose_table(lines, f"{path}: motion.table"))
     else:
-        return
+        typed = motion.get("table")
+        if not isinstance(typed, list) or not all(type(line) is str for line in typed):
+            return
+        poses = _read(lambda: pose_table(typed, f"{path}: motion.table"))
     _say_what_follows(table, motion, poses)
 
 

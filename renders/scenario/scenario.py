@@ -109,7 +109,7 @@ class Scenario(Table):
     motion: MotionTable = MotionTable()  # type: ignore[call-arg]
     render: RenderTable = RenderTable()  # type: ignore[call-arg]
     exposure: ExposureTable = ExposureTable()  # type: ignore[call-arg]
-    prior: PriorTable = PriorTable()
+    prior: PriorTable = PriorTable()  # type: ignore[call-arg]
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
     frame: FrameTable | None = Field(None, description="what a frame is")

@@ -152,8 +152,7 @@ def check_told(scenario: Scenario, where: str) -> None:
     """
     if scenario.told is None:
         return
-    has_markers = scenario.frame_kind == "pairs"
-    told_of = {**dict.fromkeys(OF_PAIRS, has_markers)}
+    told_of = dict.fromkeys(OF_PAIRS, scenario.frame_kind == "pairs")
     told_of |= dict.fromkeys(OF_TUMBLE, scenario.motion_kind == "tumble")
     for name, is_told in told_of.items():
         if getattr(scenario.told, name) is not None and not is_told:
@@ -162,3 +161,11 @@ def check_told(scenario: Scenario, where: str) -> None:
                 f"{where}: expected told.{name} to be left out without {what}, where no pipeline "
                 "is told of it"
             )
+    target, tumble = scenario.told.target, scenario.tumble
+    if target is not None and tumble is not None and not tumble.onboard.knows_inertia:
+        for key in ("inertia_scale", "inertia_axes_deg"):
+            if getattr(target, key) is not None:
+                raise ScenarioError(
+                    f"{where}: expected told.target.{key} to be left out where "
+                    "tumble.onboard.knows_inertia is false, got one"
+                )

@@ -36,7 +36,9 @@ OWN_MARKERS: dict[str, Any] = {
 }
 
 
-def facing(range_m: float, turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> RigidTransform:
+def facing(
+    range_m: float, turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> RigidTransform:
     """Return a camera that looks along the target's -z from a distance, the target turned."""
     turn = Rotation.from_euler("xyz", turn_deg, degrees=True).as_matrix()
     return RigidTransform(turn @ np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, range_m]))
