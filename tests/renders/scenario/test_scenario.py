@@ -238,7 +238,10 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('mode = "manual"', "expected exposure.mode as one of 'schedule', 'auto', 'fixed' or 'table'"),
+        (
+            'mode = "manual"',
+            "expected exposure.mode as one of 'schedule', 'auto', 'fixed' or 'table'",
+        ),
         ('mode = "fixed"\nexposure_ms = 33.0', "expected exposure.exposure_ms below motion.pair_g"),
         ('mode = "auto"\nmax_ms = 40.0', "expected exposure.max_ms below motion.pair_gap_ms, 33"),
         (
