@@ -14,22 +14,21 @@ import numpy as np
 
 from models.arrays import AnyArray, Image
 from models.atomic_file import sweep_scratch, write_bytes, write_text
-from models.dataset.dataset import (
+from models.dataset.description import (
+    FILE_NAME,
+    VERSION,
     DatasetInfo,
-    FrameEntry,
-    encode_image,
-    exposure_name,
-    frames_to_csv,
-    image_path,
     info_to_json,
-    read_frame_entries,
     read_info,
 )
+from models.dataset.frame_table import FrameEntry, frames_to_csv, read_frame_entries
+from models.dataset.image_file import encode_image
 from models.errors import DatasetError
+from models.reading.json_file import read_json_table
 from renders.store.radiance_store import KEY, RadianceStore
 from renders.store.sealed_exr import read_exr, write_exr
-from renders.truth.exposure_truth import ExposureTruth
-from renders.truth.image_truth import ImageTruth
+from renders.truth.makers import SealedRecord
+from renders.world.exposure import exposure_name
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
     from renders.truth.pixel_truth import PixelTruth
@@ -62,15 +61,27 @@ def check_folder(folder: Path, info: DatasetInfo) -> None:
     """
     if folder.exists() and not folder.is_dir():
         raise DatasetError(f"expected a folder at {folder}, found a file; choose another --out")
-    if not (folder / "dataset.json").exists():
+    if not (folder / FILE_NAME).exists():
         return
-    there = read_info(folder, info.format)
+    there = read_info(folder)
+    version = read_json_table(folder / FILE_NAME)["version"]
+    if version != VERSION:
+        raise DatasetError(
+            f"expected {folder} to be empty or to hold a dataset of version {VERSION}; it holds "
+            f"one of version {version}, which still reads and scores but is not gone on with; "
+            "nothing was changed: choose another --out"
+        )
     if there.provenance.get("scenario") != info.provenance.get("scenario"):
         raise DatasetError(
             f"expected {folder} to be empty or to hold this very scenario ({_told(info)}); "
             f"it holds another ({_told(there)}{_in_what(there, info)}); "
             "nothing was changed: choose another --out, or delete it"
         )
+
+
+def image_path(folder: Path, index: int, band: int) -> Path:
+    """Return where the image of one exposure lies in a dataset."""
+    return folder / "frames" / f"{exposure_name(index, band)}.png"
 
 
 def recorded_entries(folder: Path) -> list[FrameEntry]:
@@ -108,7 +119,7 @@ class DatasetWriter:
     entries: list[FrameEntry]
     labels: tuple[str, ...]
     scenario_toml: str
-    bands: tuple[int, ...] = (800, 850)
+    bands: tuple[int, ...]
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -123,7 +134,7 @@ class DatasetWriter:
         check_folder(self.folder, self.info)
         sweep_scratch(self.folder)
         texts = {
-            "dataset.json": info_to_json(self.info),
+            FILE_NAME: info_to_json(self.info),
             **self.known,
             "truth/parts.json": json.dumps(self.labels) + "\n",
             "truth/scenario.toml": self.scenario_toml,
@@ -168,7 +179,7 @@ class DatasetWriter:
             and self.geometry_path(frame, band).is_file()
         )
 
-    def write_exposure(self, image: Image, truth: ExposureTruth | ImageTruth) -> None:
+    def write_exposure(self, image: Image, truth: SealedRecord) -> None:
         """Write an exposure's truth and then its image; the pixel truth must be there already."""
         text = json.dumps(truth.to_json()) + "\n"
         write_text(self.truth_path(truth.frame, truth.band), text)

@@ -20,13 +20,15 @@ from models.camera import Camera
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun
 from models.pose import RigidTransform
-from renders.batches.render_case import Studio
+from renders.batches.studio import Studio
 from renders.scenario.scenario import Scenario
 from renders.store.budget import GB
 from renders.store.kept_light import GROUP_BYTES
 from renders.tracing.light_groups import LightGroup
 from renders.truth.exposure_truth import ExposureTruth
-from renders.world.world import BANDS, Exposure, World
+from renders.world.build import world_of
+from renders.world.cameras import BANDS
+from renders.world.exposure import Exposure
 
 MOST_SUNS = 48  # in one pass: beyond it, what Suns share of a pass is too little to be worth memory
 BYTES_PER_SAMPLE_SUM = 4
@@ -128,7 +130,7 @@ class PoseLight:
         self.studio = studio
         self.suns = tuple(suns)
         self.poses: dict[int, RigidTransform] = {
-            exposure.band: studio.world.approach.cam_from_target(exposure.time_s)
+            exposure.band: studio.world.trajectory.cam_from_target(exposure.time_s)
             for exposure in studio.world.exposures
         }
 
@@ -138,7 +140,7 @@ class PoseLight:
         scenario, known, found = self.studio.world.scenario, dict[str, GroupOfExposure](), []
         for sun in self.suns:
             table = scenario.sun.model_copy(update={"default": sun.text})
-            world = World(scenario.model_copy(update={"sun": table}))
+            world = world_of(scenario.model_copy(update={"sun": table}))
             own = []
             for exposure in self.studio.world.exposures:
                 for group in world.lit_by(exposure):
@@ -225,12 +227,14 @@ class PoseLight:
 
         The first is that under the scenario's own Sun; shares by ``NamedSun.text``.
         """
+        from renders.truth.marker_truth import exposure_truth
         from renders.truth.pixel_truth import marker_light
 
         exposure, markers = self.studio.world.exposures[-1], self.studio.markers
         assert markers is not None
         pose = self.poses[exposure.band]
-        truth = self.studio.truth(exposure, pose)
+        self.studio.build(pose)
+        truth = exposure_truth(self.studio.scene, self.studio.world, exposure, pose)
         directions = {sun.text: _components(sun) for sun in self.suns}
         light = marker_light(
             self.studio.scene,

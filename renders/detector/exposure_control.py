@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from models.arrays import Image
-from models.dataset.dataset import FrameEntry
-from models.pose import RigidTransform
-from models.sensors.auto_exposure import AutoExposure
+from models.dataset.frame_table import FrameEntry
+from models.onboard import PosePrior
 from renders.world.world import World
 
 
@@ -22,8 +21,8 @@ class ExposureControl:
     Parameters
     ----------
     world : World
-    prior : RigidTransform or None
-        Of the run; a planned exposure rests on it.
+    prior : PosePrior or None
+        Of the run; a planned exposure may rest on it.
 
     Attributes
     ----------
@@ -31,18 +30,11 @@ class ExposureControl:
         What is known so far, from the first frame on; it grows where exposures are metered.
     """
 
-    def __init__(self, world: World, prior: RigidTransform | None) -> None:
+    def __init__(self, world: World, prior: PosePrior | None) -> None:
         self.world = world
         self.entries = world.frame_entries(prior)
         self.detector = world.scenario.simulated_detector
-        table = world.scenario.exposure
-        self.meter = AutoExposure(
-            percentile=table.percentile,
-            fill=table.percentile_fill,
-            max_step=table.max_step,
-            min_ms=table.min_ms * world.exposure_share,
-            max_ms=table.max_ms * world.exposure_share,
-        )
+        self.meter = world.plan.meter
 
     def resume(self, recorded: Iterable[FrameEntry]) -> None:
         """Take what an earlier run metered; rows of other frames and all after them are left."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -119,13 +120,18 @@ class RadiationTable(Table):
     charge_e_um: float = Field(106.0, ge=0.1, le=1e6, description="left along a particle's way")
 
 
+ScheduleRow = Annotated[tuple[float, float], Field(strict=False)]  # s, ms
+SHORTEST_MS, LONGEST_MS = 1e-4, 1e5
+
+
 class ExposureTable(Table):
     """Exposure time; see ``renders.detector.exposure_control``.
 
-    ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
-    given, each other metered from the image before it, of a pair from the 850 nm one. ``fixed``: as
-    given. ``table``: that of each row of the poses. Of single images what is given is meant for the
-    chip's own pixels: larger ones are exposed for less.
+    ``schedule``: as ``schedule_ms`` has it, or else proportional to the square of the range by the
+    prior, which reckons with markers. ``auto``: the first as given, each other metered from the
+    image before it, of a pair from the 850 nm one. ``fixed``: as given. ``table``: that of each row
+    of the poses. Of single images what is given is meant for the chip's own pixels; see
+    ``renders.world.exposure_plan``.
     """
 
     mode: Literal["schedule", "auto", "fixed", "table"] = "schedule"
@@ -140,6 +146,9 @@ class ExposureTable(Table):
     max_step: float = Field(2.0, gt=1, le=1000, description="auto: largest factor between frames")
     min_ms: float = Field(0.01, ge=1e-4, le=1e5, description="auto: shortest")
     max_ms: float = Field(20.0, ge=1e-4, le=1e5, description="auto: longest")
+    schedule_ms: Annotated[tuple[ScheduleRow, ...], Field(strict=False, max_length=10_000)] = Field(
+        (), description="schedule: [time_s, exposure_ms] in order of time, linear between"
+    )
 
 
 NEAREST_FOCUS_M = 0.1  # lenses of this kind focus no nearer; a thin lens never within its f
@@ -176,7 +185,8 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
     ScenarioError
         The message names the key.
     """
-    if table.mode == "schedule":
+    check_schedule(table, gap, gap_ms, where)
+    if table.mode in ("schedule", "table"):
         return
     longest, key = table.exposure_ms, "exposure_ms"
     if table.mode == "auto":
@@ -192,6 +202,43 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
             f"{where}: expected exposure.{key} below {gap}, {gap_ms:g} ms, "
             f"when the next exposure begins, got {longest:g} ms"
         )
+
+
+def check_schedule(table: ExposureTable, gap: str, gap_ms: float, where: str) -> None:
+    """Refuse typed exposure times that are out of order, cannot be, or have no effect.
+
+    Parameters
+    ----------
+    table, gap, gap_ms, where
+        As of ``check_exposure``.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the key.
+    """
+    rows = table.schedule_ms
+    if not rows:
+        return
+    for key, plain in (("mode", "schedule"), ("marker_fill", ExposureTable().marker_fill)):  # type: ignore[call-arg]
+        if getattr(table, key) != plain:
+            raise ScenarioError(
+                f"{where}: expected exposure.{key} as {plain!r}, or left out, with "
+                f"exposure.schedule_ms, which sets every exposure; got {getattr(table, key)!r}"
+            )
+    for (before_s, _), (after_s, _) in pairwise(rows):
+        if not after_s > before_s:
+            raise ScenarioError(
+                f"{where}: expected exposure.schedule_ms in order of time, each instant once, "
+                f"got {after_s:g} s after {before_s:g} s"
+            )
+    for time_s, exposure_ms in rows:
+        if not SHORTEST_MS <= exposure_ms <= LONGEST_MS or exposure_ms >= gap_ms:
+            raise ScenarioError(
+                f"{where}: expected exposures in exposure.schedule_ms of at least "
+                f"{SHORTEST_MS:g} ms and below {gap}, {min(gap_ms, LONGEST_MS):g} ms, when the "
+                f"next exposure begins, got {exposure_ms:g} ms at {time_s:g} s"
+            )
 
 
 def check_lens(camera: Camera, where: str) -> None:

@@ -38,10 +38,11 @@ def check_frames(scenario: Scenario, where: str) -> None:
         _check_exposure_column(scenario, where)
     if frame_kind_of(scenario) == "pairs" or motion_kind_of(scenario) == "tumble":
         return
-    if mode == "schedule":
+    if mode == "schedule" and not scenario.exposure.schedule_ms:
         raise ScenarioError(
-            f"{where}: expected exposure.mode, of single images, as auto, fixed or table, got "
-            "'schedule', which reckons with markers"
+            f"{where}: expected exposure.mode, of single images, as auto, fixed or table, or as "
+            "schedule with exposure.schedule_ms = [[time_s, exposure_ms], ...]; got 'schedule' "
+            "without, which reckons with markers"
         )
     refuse_what_has_no_effect(scenario, PAIRS_ALONE, "single images", where)
 

@@ -30,6 +30,7 @@ NO_EFFECT: dict[str, tuple[str, ...] | None] = {
     "earth": ("direction", "orbit_radius_km"),
     "render": ("marker_samples",),
     "exposure": ("marker_fill",),
+    "stars": ("zenith_right_ascension_deg", "q_target_from_icrs_wxyz", "rate_in_target_deg_h"),
 }
 """Tables, or keys of them, that shape image pairs alone: typed with [tumble] they would mislead."""
 
@@ -63,7 +64,8 @@ class TumbleTable(Table):
     """A target that turns freely, seen by a chaser that keeps to its local frame.
 
     The local frame (LVLH) is x away from Earth, y along track, z along the orbit's normal; the
-    camera looks along +y, image down is nadir. See ``models.motion.tumble``.
+    camera looks along +y, image down is nadir. The inertial frame in which the orbit and the Sun
+    are given has the axes of the ICRS: there stand the stars. See ``models.motion.tumble``.
     """
 
     orbit: OrbitTable
@@ -95,15 +97,11 @@ def check_tumble(scenario: Scenario, where: str) -> None:
     if table is None:
         return
     refuse_what_has_no_effect(scenario, NO_EFFECT, "[tumble]", where)
-    if scenario.exposure.mode == "schedule":
+    if scenario.exposure.mode == "schedule" and not scenario.exposure.schedule_ms:
         raise ScenarioError(
-            f"{where}: expected exposure.mode, with [tumble], as auto or fixed, got 'schedule', "
+            f"{where}: expected exposure.mode, with [tumble], as auto or fixed, or as schedule "
+            "with exposure.schedule_ms = [[time_s, exposure_ms], ...]; got 'schedule' without, "
             "which reckons with markers"
-        )
-    if scenario.stars.shine:
-        raise ScenarioError(
-            f"{where}: expected stars.shine = false with [tumble]: their attitude is that of an "
-            "Earth-pointing target"
         )
     perigee_km = table.orbit.a_km * (1.0 - table.orbit.e)
     if perigee_km <= EARTH_RADIUS_KM:

@@ -20,11 +20,18 @@ from typing import Any
 import numpy as np
 
 from models.arrays import Floats, Mask
-from models.dataset.dataset import FILTERED
-from models.dataset.navigation_estimates_file import state_from_json, state_to_json
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
 from renders.truth.exposure_truth import read_records
+from renders.world.exposure import FILTERED
+
+STATE_KEYS = {
+    "rho_in_lvlh": "rho_in_lvlh_m",
+    "rho_dot_in_lvlh": "rho_dot_in_lvlh_m_s",
+    "R_lvlh_from_target": "R_lvlh_from_target",
+    "omega_target_wrt_lvlh_in_target": "omega_target_wrt_lvlh_in_target_rad_s",
+}
+"""Fields of a relative state, and what they are called in the record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +78,7 @@ class ImageTruth:
             "time_s": self.time_s,
             "R_cam_from_target": self.cam_from_target.rotation.tolist(),
             "t_cam_from_target_m": self.cam_from_target.translation.tolist(),
-            "state": state_to_json(self.state),
+            "state": _state_to_json(self.state),
             "chaser_position_in_inertial_m": self.chaser.position_in_inertial.tolist(),
             "chaser_velocity_in_inertial_m_s": self.chaser.velocity_in_inertial.tolist(),
             "sun_dir_in_target": self.sun_dir_in_target.tolist(),
@@ -94,7 +101,7 @@ class ImageTruth:
             cam_from_target=RigidTransform(
                 floats("R_cam_from_target"), floats("t_cam_from_target_m")
             ),
-            state=state_from_json(record["state"]),
+            state=_state_from_json(record["state"]),
             chaser=ChaserState(
                 time_s,
                 floats("chaser_position_in_inertial_m"),
@@ -105,6 +112,20 @@ class ImageTruth:
             landmarks_px=floats("landmarks_px").reshape(-1, 2),
             landmarks_visible=np.array(record["landmarks_visible"], dtype=np.bool_),
         )
+
+
+def _state_to_json(state: RelativeState) -> dict[str, Any]:
+    arrays = {key: getattr(state, name).tolist() for name, key in STATE_KEYS.items()}
+    return {"time_s": state.time_s, **arrays}
+
+
+def _state_from_json(record: dict[str, Any]) -> RelativeState:
+    shapes = {name: (3, 3) if name.startswith("R_") else (3,) for name in STATE_KEYS}
+    arrays = {
+        name: np.array(record[key], dtype=np.float64).reshape(shapes[name])
+        for name, key in STATE_KEYS.items()
+    }
+    return RelativeState(float(record["time_s"]), **arrays)
 
 
 def read_image_truths(folder: Path) -> dict[int, ImageTruth]:

@@ -15,8 +15,8 @@ import numpy as np
 
 from models.arrays import Floats, Labels, Mask, Radiance
 from models.camera import Camera
-from models.markers import MarkerPattern
 from models.lights.led_beam import LedRing
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.camera_plugin import sensor_dict
 from renders.tracing.scene import SceneGeometry
