@@ -47,17 +47,21 @@ class TableMotion(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Stills:
-    """Each row is one frame, and lasts: at a time it is the first row that is not before it.
+    """Each row is one frame, and lasts as long as the shutter is open for it.
 
-    So both exposures of a pair, the earlier one as well, are at the pose of their row.
+    Attributes
+    ----------
+    table : PoseTable
+    lead_s : float, s
+        From the earliest exposure of a frame to its time: all are at the pose of their row.
     """
 
     table: PoseTable
+    lead_s: float = 0.0
 
     def row(self, time_s: float) -> int:
-        """Return the number of the row at a time; after the last one, the last."""
-        place = int(np.searchsorted(self.table.times_s, time_s - ROUNDING_S))
-        return min(place, len(self.table) - 1)
+        """Return the number of the row at a time; one changes to the next midway."""
+        return int(np.searchsorted(self._ends_s, time_s))
 
     def cam_from_target(self, time_s: float) -> RigidTransform:
         """Return the pose of the row at a time."""
@@ -71,6 +75,11 @@ class Stills:
         """Return the exposure time of the row at a time, ms."""
         return float(_given(self.table.exposures_ms, "an exposure_ms")[self.row(time_s)])
 
+    @cached_property
+    def _ends_s(self) -> Floats:
+        """Midway from each row's time to the earliest exposure of the next."""
+        return 0.5 * (self.table.times_s[:-1] + self.table.times_s[1:] - self.lead_s)
+
 
 @dataclass(frozen=True, eq=False)
 class SmoothMotion:
@@ -82,7 +91,7 @@ class SmoothMotion:
         Of two rows or more, no two neighbours more than 120 deg apart.
     overtime_s : float, s
         How long before the first row and after the last it goes on as it was: the earlier exposure
-        of a first pair lies there.
+        of a first pair lies there, and a shutter may be open over an end.
 
     Raises
     ------

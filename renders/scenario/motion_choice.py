@@ -68,10 +68,12 @@ def table_motion_of(scenario: Scenario) -> TableMotion:
         table = _read(scenario.motion.table)
     except DatasetError as error:
         raise ScenarioError(str(error)) from error
-    if takes_stills(scenario):
-        return Stills(table)
     in_pairs = frame_kind_of(scenario) == "pairs"
-    return SmoothMotion(table, scenario.motion.pair_gap_ms * 1e-3 if in_pairs else 0.0)
+    gap_s = scenario.motion.pair_gap_ms * 1e-3 if in_pairs else 0.0
+    if takes_stills(scenario):
+        return Stills(table, gap_s)
+    shutter_s = 0.5 * gap_s if in_pairs else 0.5 / scenario.motion.rate_hz
+    return SmoothMotion(table, gap_s + shutter_s)
 
 
 def times_of(scenario: Scenario) -> list[float]:

@@ -11,7 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from models.camera import Camera
+from models.dataset.frame_table import FrameEntry
 from models.errors import ScenarioError
+from models.frame import TableReading
 from models.onboard import OnboardKnowledge
 from renders.scenario.told_tables import (
     CalibrationTable,
@@ -30,6 +32,7 @@ from renders.world.told_parts import (
 )
 
 CALIBRATION_DRAW = 102  # purpose that keys a run's random numbers
+MOST_DRIFT = 0.1  # of the true time
 FOCAL, CENTRE = ("fx", "fy"), ("cx", "cy")
 SAID_OF = {
     "markers.place_m": "markers.point_in_target_m",
@@ -113,19 +116,43 @@ class ToldClock:
 
     @classmethod
     def of(cls, table: ToldTable | None, run: int) -> ToldClock:
-        """Return a run's clock."""
+        """Return a run's clock.
+
+        Raises
+        ------
+        ScenarioError
+            If it drifts as no clock does.
+        """
         if table is None or table.clock is None:
             return cls()
-        return cls(
-            error_of(table.clock.offset_s, run, "clock.offset_s"),
-            1e-6 * error_of(table.clock.drift_ppm, run, "clock.drift_ppm"),
-        )
+        offset_s = error_of(table.clock.offset_s, run, "clock.offset_s")
+        drift = 1e-6 * error_of(table.clock.drift_ppm, run, "clock.drift_ppm")
+        if abs(drift) > MOST_DRIFT:
+            raise ScenarioError(
+                f"expected told.clock.drift_ppm within {1e6 * MOST_DRIFT:g}, got a clock that "
+                f"gains {1e6 * drift:g} s in a million in run {run}"
+            )
+        return cls(offset_s, drift)
 
     def shows(self, time_s: float) -> float:
         """Return what the clock shows at a true time, s; the same to the bit if it is exact."""
-        if self == ToldClock():
+        if self == EXACT_CLOCK:
             return time_s
         return float(time_s + self.offset_s + self.drift * time_s)
+
+    def stamped(self, entry: FrameEntry) -> FrameEntry:
+        """Return a frame with the time that the clock shows."""
+        return replace(entry, time_s=self.shows(entry.time_s))
+
+    def stamped_rows(self, reading: TableReading) -> TableReading:
+        """Return rows with the times that the clock shows."""
+        if self == EXACT_CLOCK:
+            return reading
+        times_s = np.array([self.shows(time_s) for time_s in reading.time_s.tolist()])
+        return TableReading(reading.columns, times_s, reading.rows)
+
+
+EXACT_CLOCK = ToldClock()
 
 
 def sigmas_told(table: ToldTable, calibration: CalibrationTable) -> dict[str, float]:

@@ -309,6 +309,7 @@ PLAIN = Scenario.model_validate(
         "frame": {"kind": "pairs"},
         "markers": OWN_MARKERS,
         "told": every_difference(),
+        "exposure": {"schedule_ms": [[0.0, 1.0]]},
     }
 )
 
