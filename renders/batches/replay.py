@@ -27,7 +27,7 @@ from renders.store.radiance_store import RadianceStore
 from renders.store.sealed_exr import read_exr
 from renders.tracing.light_groups import LightGroup
 from renders.world.build import world_of
-from renders.world.exposure import Exposure, exposure_name
+from renders.world.exposure import FILTERED, Exposure, exposure_name
 from renders.world.world import World
 
 
@@ -116,6 +116,10 @@ def lit_otherwise(
     ]
 
 
+def _at_band(exposure: Exposure) -> str:
+    return "" if exposure.band == FILTERED else f" at {exposure.band} nm"
+
+
 def _how_to_bring_back(folder: Path) -> str:
     kept = json.loads((folder / "truth" / "light.json").read_text()).get("kept")
     if kept is None:
@@ -197,7 +201,8 @@ def exposed_frames(folder: Path, run: int) -> tuple[OnboardKnowledge, Iterator[F
         groups = read_groups(store, world, exposure, keys)
         if groups is None:
             raise DatasetError(
-                f"expected the light of exposure {exposure.name} in {store.folder}, "
+                f"expected the light of frame {exposure.frame}{_at_band(exposure)} "
+                f"in {store.folder}, "
                 f"found it absent or damaged; {_how_to_bring_back(folder)}"
             )
         depth_m = read_depth(world, folder, exposure)

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.store.radiance_store import RadianceStore
+from renders.world.build import world_of
 from renders.world.world import World
 from tests.support.small_scenes import activate_best, needs_jit
 
@@ -34,7 +35,7 @@ class TinyDataset:
 
     @property
     def world(self) -> World:
-        return World(resolve(self.request))
+        return world_of(resolve(self.request))
 
     def render(self) -> str:
         """Render what is not there, and return what was printed."""
