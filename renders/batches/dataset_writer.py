@@ -29,6 +29,7 @@ from renders.store.radiance_store import KEY, RadianceStore
 from renders.store.sealed_exr import read_exr, write_exr
 from renders.truth.makers import SealedRecord
 from renders.world.exposure import exposure_name
+from renders.world.told import EXACT_CLOCK, ToldClock
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
     from renders.truth.pixel_truth import PixelTruth
@@ -104,13 +105,15 @@ class DatasetWriter:
         Texts of the files that are on board before the first frame, by name; see
         ``renders.batches.public_half``.
     entries : list of FrameEntry
-        Those known; the list may grow, see ``renders.detector.exposure_control``.
+        Those known, in true time; the list may grow, see ``renders.detector.exposure_control``.
     labels : tuple of str
         Names of the part labels.
     scenario_toml : str
         The resolved scenario; it goes behind the wall, since it holds the motion.
     bands : tuple of int
         The exposures of a frame, in order of time.
+    clock : ToldClock
+        That on board, by which ``frames.csv`` goes.
     """
 
     folder: Path
@@ -120,6 +123,7 @@ class DatasetWriter:
     labels: tuple[str, ...]
     scenario_toml: str
     bands: tuple[int, ...]
+    clock: ToldClock = EXACT_CLOCK
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -145,7 +149,8 @@ class DatasetWriter:
 
     def write_frames(self) -> None:
         """Write the rows of ``frames.csv`` that are known."""
-        write_text(self.folder / "frames.csv", frames_to_csv(self.entries))
+        stamped = [self.clock.stamped(entry) for entry in self.entries]
+        write_text(self.folder / "frames.csv", frames_to_csv(stamped))
 
     def truth_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's truth lies until the dataset is complete."""

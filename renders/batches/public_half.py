@@ -55,10 +55,11 @@ def public_files(world: World, run: int = 0) -> dict[str, str]:
 
 
 def table_readings(world: World, sensor: TableSensor, run: int) -> list[tuple[int, TableReading]]:
-    """Return what a sensor gives in a run, by frame."""
+    """Return what a sensor gives in a run, by frame; its times are those of the clock on board."""
     times_s = world.scenario.times_s
+    clock = world.clock(run)
     return [
-        (frame, sensor.reading(frame, time_s, since_s, run))
+        (frame, clock.stamped_rows(sensor.reading(frame, time_s, since_s, run)))
         for frame, (time_s, since_s) in enumerate(
             zip(times_s, [float("-inf"), *times_s], strict=False)
         )

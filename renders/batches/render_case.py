@@ -84,8 +84,9 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     from renders.tracing.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
+    toml, clock = world.scenario.to_toml(), world.clock(0)
     writer = DatasetWriter(
-        request.out, info, known, control.entries, labels, world.scenario.to_toml(), world.bands
+        request.out, info, known, control.entries, labels, toml, world.bands, clock
     )
     poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
     windows = kept.keeps_windows

@@ -197,7 +197,7 @@ def exposed_frames(folder: Path, run: int) -> tuple[OnboardKnowledge, Iterator[F
     """
     world = world_of(read_scenario(folder / "truth" / "scenario.toml"))
     store, recorded = read_light_record(folder)
-    onboard = world.onboard(run)
+    onboard, clock = world.onboard(run), world.clock(run)
     control = ExposureControl(world, onboard.prior)
 
     def image(exposure: Exposure, entry: FrameEntry) -> Image:
@@ -220,12 +220,14 @@ def exposed_frames(folder: Path, run: int) -> tuple[OnboardKnowledge, Iterator[F
             readings: dict[str, Reading] = {}
             for exposure in world.sensor.exposures(number, time_s):
                 shown = image(exposure, entry)
-                name = world.sensor.stream(exposure.band).name
-                readings[name] = ImageReading(shown, exposure.time_s, entry.exposure_ms)
+                stream = world.sensor.stream(exposure.band)
+                middle_s = clock.shows(time_s) + stream.offset_s
+                readings[stream.name] = ImageReading(shown, middle_s, entry.exposure_ms)
                 last = {number: shown}
             for sensor in world.tables:
-                readings[sensor.name] = sensor.reading(number, time_s, since_s, run)
+                rows = sensor.reading(number, time_s, since_s, run)
+                readings[sensor.name] = clock.stamped_rows(rows)
             since_s = time_s
-            yield Frame(number, time_s, readings)
+            yield Frame(number, clock.shows(time_s), readings)
 
     return onboard, frames()

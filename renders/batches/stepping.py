@@ -180,6 +180,7 @@ class Simulation:
         )
         start_renderer(full_variant, threads)
         self._last: Frame | None = None
+        self._last_s = -np.inf
 
     def frame(
         self,
@@ -224,22 +225,23 @@ class Simulation:
             )
         self._studio.world = world
         readings: dict[str, Reading] = {}
+        clock = self.world.clock(self.run)
         for exposure in exposures:
-            name = world.sensor.stream(exposure.band).name
+            stream = world.sensor.stream(exposure.band)
             image = self._image(world, exposure, exposure_ms)
-            readings[name] = ImageReading(image, exposure.time_s, exposure_ms)
-        since_s = -np.inf if self._last is None else self._last.time_s
+            middle_s = clock.shows(time_s) + stream.offset_s
+            readings[stream.name] = ImageReading(image, middle_s, exposure_ms)
         for sensor in world.tables:
-            readings[sensor.name] = sensor.reading(number, time_s, since_s, self.run)
-        self._last = Frame(number, time_s, readings)
+            rows = sensor.reading(number, time_s, self._last_s, self.run)
+            readings[sensor.name] = clock.stamped_rows(rows)
+        self._last, self._last_s = Frame(number, clock.shows(time_s), readings), time_s
         return self._last
 
     def _next_time(self, time_s: float) -> float:
         time_s = float(time_s)
-        before_s = -np.inf if self._last is None else self._last.time_s
-        if not before_s < time_s < np.inf:
+        if not self._last_s < time_s < np.inf:
             raise ScenarioError(
-                f"expected time_s after the frame before, {before_s:g} s, and finite, "
+                f"expected time_s after the frame before, {self._last_s:g} s, and finite, "
                 f"got {time_s:g} s"
             )
         if self.world.absolute is not None:

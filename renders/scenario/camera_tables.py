@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from models.camera import Camera
 from models.errors import ScenarioError
@@ -15,20 +15,50 @@ from renders.scenario.table import Name, Table
 
 Radial = Annotated[float, Field(ge=-10, le=10)]  # what folds within the image is refused below
 Tangential = Annotated[float, Field(ge=-1, le=1)]
+PRESET = "chaser_fixed"
+OWN = ("file", "height", "fx", "fy", "cx", "cy", "fov_deg", "rendered_width")
+"""Keys that tell of a camera of one's own."""
 LEAST_LEVELS_DN = 10.0  # from bias to saturation: with fewer there is no picture
 MOST_READ_NOISE = 0.1  # of what a pixel can tell
 
 
 class CameraTable(Table):
-    """Which camera flies, as simulated."""
+    """Which camera flies, as simulated: a preset, or one of your own; see ``camera_choice``."""
 
-    preset: Name = Field("chaser_fixed", description="chaser_fixed or eye_in_hand")
+    preset: Name | None = Field(
+        None, description="chaser_fixed or eye_in_hand; chaser_fixed where no camera is typed"
+    )
+    file: Name | None = Field(
+        None, description="a camera.toml beside the scenario, for the keys of a camera of your own"
+    )
     width: int = Field(2048, ge=64, le=8192, description="columns; the field of view stays")
+    height: int | None = Field(None, ge=16, le=8192, description="rows, of a camera of your own")
+    fx: float | None = Field(None, ge=1, le=1e6, description="focal length, px of the width typed")
+    fy: float | None = Field(None, ge=1, le=1e6, description="fx where left out")
+    cx: float | None = Field(
+        None, ge=-1e5, le=1e5, description="principal point, px from the middle of the first pixel"
+    )
+    cy: float | None = Field(
+        None, ge=-1e5, le=1e5, description="as cx; the image's middle where either is left out"
+    )
+    fov_deg: float | None = Field(
+        None, ge=0.01, le=170, description="across the width, instead of fx, fy, cx and cy"
+    )
+    rendered_width: int | None = Field(
+        None, ge=64, le=8192, description="columns that are rendered of a camera of your own"
+    )
     k1: Radial = 0.0
     k2: Radial = 0.0
     p1: Tangential = 0.0
     p2: Tangential = 0.0
     k3: Radial = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _preset_unless_typed(cls, table: Any) -> Any:
+        if isinstance(table, dict) and all(table.get(key) is None for key in ("preset", *OWN)):
+            return {**table, "preset": PRESET}
+        return table
 
 
 class OpticsTable(Table):
@@ -100,11 +130,12 @@ class ExposureTable(Table):
 
     ``schedule``: as ``schedule_ms`` has it, or else proportional to the square of the range by the
     prior, which reckons with markers. ``auto``: the first as given, each other metered from the
-    image before it, of a pair from the 850 nm one. ``fixed``: as given. With ``[tumble]`` what is
-    given is meant for the chip's own pixels; see ``renders.world.exposure_plan``.
+    image before it, of a pair from the 850 nm one. ``fixed``: as given. ``table``: that of each row
+    of the poses. Of single images what is given is meant for the chip's own pixels; see
+    ``renders.world.exposure_plan``.
     """
 
-    mode: Literal["schedule", "auto", "fixed"] = "schedule"
+    mode: Literal["schedule", "auto", "fixed", "table"] = "schedule"
     marker_fill: float = Field(
         0.6, ge=1e-3, le=1, description="schedule: share of full well, on axis"
     )
@@ -156,7 +187,7 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
         The message names the key.
     """
     check_schedule(table, gap, gap_ms, where)
-    if table.mode == "schedule":
+    if table.mode in ("schedule", "table"):
         return
     longest, key = table.exposure_ms, "exposure_ms"
     if table.mode == "auto":

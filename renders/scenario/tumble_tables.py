@@ -9,8 +9,8 @@ from pydantic import Field
 
 from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM
-from models.lights.sun import SUN_CASES_DEG, sun_direction
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
+from renders.scenario.frame_checks import refuse_what_has_no_effect
 from renders.scenario.table import Numbers, Table, Triple
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ Rate = Annotated[float, Field(ge=-360, le=360)]
 Moment = Annotated[float, Field(ge=-1e9, le=1e9)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Field(strict=False)]
 UNIT_TOLERANCE = 1e-3  # a quaternion typed with four digits is one
-NO_EFFECT = {
+NO_EFFECT: dict[str, tuple[str, ...] | None] = {
     "lamps": None,
     "retroreflector": None,
     "prior": None,
@@ -86,7 +86,7 @@ class TumbleTable(Table):
 
 
 def check_tumble(scenario: Scenario, where: str) -> None:
-    """Refuse what would not do what it says: a Sun of another frame, a table of image pairs.
+    """Refuse what would not do what it says: a table of image pairs, an orbit through the Earth.
 
     Raises
     ------
@@ -96,15 +96,7 @@ def check_tumble(scenario: Scenario, where: str) -> None:
     table = scenario.tumble
     if table is None:
         return
-    for name in (scenario.sun.default, *scenario.sun.shared):
-        if name.strip().upper() in SUN_CASES_DEG:
-            raise ScenarioError(
-                f"{where}: expected sun.default, with [tumble], as a vector x,y,z towards the Sun "
-                f"in the inertial frame of the orbit, got {name!r}, which stands in target axes; "
-                'give one such as "0.3,-0.5,1"'
-            )
-        sun_direction(name)
-    _refuse_what_has_no_effect(scenario, where)
+    refuse_what_has_no_effect(scenario, NO_EFFECT, "[tumble]", where)
     if scenario.exposure.mode == "schedule" and not scenario.exposure.schedule_ms:
         raise ScenarioError(
             f"{where}: expected exposure.mode, with [tumble], as auto or fixed, or as schedule "
@@ -137,15 +129,3 @@ def check_tumble(scenario: Scenario, where: str) -> None:
             f"{where}: expected tumble.onboard.range_m as nearest and farthest, m, "
             f"got {list(span)}; leave it out where none is known"
         )
-
-
-def _refuse_what_has_no_effect(scenario: Scenario, where: str) -> None:
-    for name, keys in NO_EFFECT.items():
-        table = getattr(scenario, name)
-        plain = type(table)()
-        for key in keys or type(table).model_fields:
-            if getattr(table, key) != getattr(plain, key):
-                raise ScenarioError(
-                    f"{where}: expected {name}.{key} to be left out with [tumble], where it has "
-                    f"no effect, got {getattr(table, key)!r}"
-                )

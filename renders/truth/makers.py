@@ -13,6 +13,7 @@ from renders.world.trajectory import FreeMotion
 if TYPE_CHECKING:
     from renders.truth.exposure_truth import ExposureTruth
     from renders.truth.image_truth import ImageTruth
+    from renders.truth.posed_truth import PosedTruth
     from renders.world.world import World
 
 
@@ -75,3 +76,24 @@ class OfLandmarks:
         return image_truth(
             scene, world, exposure, cam_from_target, motion=self.motion, wireframe=self.wireframe
         )
+
+
+@dataclass(frozen=True, eq=False)
+class OfPoses:
+    """Makes records of single images at given poses.
+
+    Attributes
+    ----------
+    wireframe : Wireframe or None
+        Whose landmarks are looked for.
+    """
+
+    wireframe: Wireframe | None
+
+    def __call__(
+        self, scene: Any, world: World, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> PosedTruth:
+        """Return the record."""
+        from renders.truth.landmark_truth import posed_truth
+
+        return posed_truth(scene, world, exposure, cam_from_target, self.wireframe)

@@ -10,9 +10,9 @@ import numpy as np
 
 from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM
-from models.lights.sun import sun_direction
 from models.spacecraft.inside import is_inside
 from renders.tracing.silhouette import in_sight, pieces_of
+from renders.world.moving_sun import inertial_sun
 from renders.world.trajectory import FreeMotion
 
 if TYPE_CHECKING:
@@ -139,10 +139,11 @@ class Sunlit:
             The message names the time.
         """
         table = world.scenario.sun
+        suns = [(table.default, world.sky.sun), *zip(table.shared, world.sky.shared, strict=True)]
         for exposure in world.exposures:
             position = 1e-3 * self.motion.chaser_state(exposure.time_s).position_in_inertial
-            for name in (table.default, *table.shared):
-                along = float(position @ sun_direction(name))
+            for name, sun in suns:
+                along = float(position @ inertial_sun(world.scenario, sun, exposure.time_s))
                 if along < 0.0 and position @ position - along**2 < EARTH_RADIUS_KM**2:
                     raise ScenarioError(
                         f"expected a Sun that the Earth does not hide, got {name}: at "

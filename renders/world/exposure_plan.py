@@ -10,6 +10,7 @@ import numpy as np
 
 from models.dataset.frame_table import FrameEntry
 from models.errors import ScenarioError
+from models.motion.table_motion import TableMotion
 from models.onboard import PosePrior
 from models.sensors.auto_exposure import AutoExposure
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
@@ -83,6 +84,25 @@ class TypedSchedule:
 
 
 @dataclass(frozen=True, eq=False)
+class OfTable:
+    """As the rows of a table of poses have it.
+
+    Attributes
+    ----------
+    motion : TableMotion
+    share : float
+        How much of it is meant; see ``ExposurePlan``.
+    """
+
+    motion: TableMotion
+    share: float
+
+    def __call__(self, time_s: float, prior: PosePrior | None) -> float:
+        """Return the exposure time at an instant, ms."""
+        return self.share * self.motion.exposure_ms(time_s)
+
+
+@dataclass(frozen=True, eq=False)
 class ExposurePlan:
     """The exposure times of a scenario.
 
@@ -90,7 +110,7 @@ class ExposurePlan:
     ----------
     table : ExposureTable
     planned : Planned
-        With ``mode = "schedule"``.
+        With ``mode = "schedule"`` or ``"table"``.
     share : float
         How much of a typed exposure time, or of a bound on it, is meant. It is typed for the
         chip's own pixels: larger ones, with ``--width``, fill sooner and are exposed for less, so
@@ -119,7 +139,7 @@ class ExposurePlan:
 
     def before_any_image(self, time_s: float, prior: PosePrior | None) -> float:
         """Return the exposure time at an instant, ms; where it is metered, the first frame's."""
-        if self.table.mode == "schedule":
+        if self.table.mode in ("schedule", "table"):
             return self.planned(time_s, prior)
         return self.table.exposure_ms * self.share
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,11 +12,12 @@ from models.motion.prior import draw_prior
 from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
-from renders.scenario.scenario import CalibrationTable, PriorTable
+from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
 from renders.world.bodies import Bodies
+from renders.world.told import ToldClock, told
 from renders.world.trajectory import Trajectory
 
-PRIOR_DRAW, CALIBRATION_DRAW = 101, 102  # purposes that key a run's random numbers
+PRIOR_DRAW = 101  # purpose that keys a run's random numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +60,10 @@ class BeforeFlight:
     first_pose : FirstPose or None
     wireframe : Wireframe or None
     expectations : FlightExpectations or None
+    psf_sigma_px : float, px
+        Blur of the lens; told where ``told`` says so.
+    told : ToldTable or None
+        How what is told differs from all this.
     """
 
     camera: Camera
@@ -68,14 +73,16 @@ class BeforeFlight:
     first_pose: FirstPose | None = None
     wireframe: Wireframe | None = None
     expectations: FlightExpectations | None = None
+    psf_sigma_px: float = 0.0
+    told: ToldTable | None = None
 
     def in_run(self, run: int) -> OnboardKnowledge:
-        """Return what a run has on board: its own prior and its own calibration.
+        """Return what a run has on board: its own prior, and its own errors of all that is told.
 
         Raises
         ------
         ScenarioError
-            If markers are to be known of a target that has none.
+            If markers are to be known of a target that has none, or an error is too large.
         """
         markers = None
         if self.marked is not None:
@@ -85,24 +92,17 @@ class BeforeFlight:
                     f"expected a target with markers, {self.marked.target.name} has none; "
                     "the 800/850 nm pair shows retroreflectors only"
                 )
-        return OnboardKnowledge(
-            camera=self.calibrated_camera(run),
+        true = OnboardKnowledge(
+            camera=self.camera,
             detector=self.detector,
             markers=markers,
             prior=None if self.first_pose is None else self.first_pose.drawn(run),
             wireframe=self.wireframe,
             expectations=self.expectations,
+            psf_sigma_px=self.psf_sigma_px,
         )
+        return told(true, self.told, self.calibration, run)
 
-    def calibrated_camera(self, run: int) -> Camera:
-        """Return the camera as a run's calibration has it."""
-        draw = np.random.default_rng([run, CALIBRATION_DRAW]).standard_normal(4)
-        focal = self.calibration.sigma_focal_px
-        centre = self.calibration.sigma_principal_point_px
-        return replace(
-            self.camera,
-            fx=float(self.camera.fx + focal * draw[0]),
-            fy=float(self.camera.fy + focal * draw[1]),
-            cx=float(self.camera.cx + centre * draw[2]),
-            cy=float(self.camera.cy + centre * draw[3]),
-        )
+    def clock(self, run: int) -> ToldClock:
+        """Return the clock on board in a run."""
+        return ToldClock.of(self.told, run)

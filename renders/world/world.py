@@ -31,6 +31,7 @@ from renders.world.exposure_plan import ExposurePlan
 from renders.world.onboard import BeforeFlight
 from renders.world.sky import Sky
 from renders.world.table_sensors import TableSensor
+from renders.world.told import ToldClock
 from renders.world.trajectory import FreeMotion, Trajectory
 
 
@@ -182,6 +183,10 @@ class World:
         """
         return self.before_flight.in_run(run)
 
+    def clock(self, run: int) -> ToldClock:
+        """Return the clock on board in a run: all that is told of times goes by it."""
+        return self.before_flight.clock(run)
+
     def frame_entries(self, prior: PosePrior | None) -> list[FrameEntry]:
-        """Return the rows of ``frames.csv`` for a run's prior that are known before any image."""
+        """Return the frames for a run's prior that are known before any image, in true time."""
         return self.plan.entries(self.scenario.times_s, prior)

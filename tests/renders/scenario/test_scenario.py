@@ -23,6 +23,7 @@ from renders.scenario.scenario import (
     read_scenario,
     resolve,
 )
+from tests.support.own_scenario import OWN_CAMERA, OWN_MARKERS, every_difference, pose_lines
 from tests.support.tumble_scenario import TUMBLE
 
 REQUEST = RenderRequest("maxar-demo", Path("unused"))
@@ -238,7 +239,10 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('mode = "manual"', "expected exposure.mode as one of 'schedule', 'auto' or 'fixed'"),
+        (
+            'mode = "manual"',
+            "expected exposure.mode as one of 'schedule', 'auto', 'fixed' or 'table'",
+        ),
         ('mode = "fixed"\nexposure_ms = 33.0', "expected exposure.exposure_ms below motion.pair_g"),
         ('mode = "auto"\nmax_ms = 40.0', "expected exposure.max_ms below motion.pair_gap_ms, 33"),
         (
@@ -259,7 +263,7 @@ def leaves(table: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple
     for key, value in table.items():
         if isinstance(value, dict):
             yield from leaves(value, (*place, key))
-        else:
+        elif value is not None:
             yield (*place, key)
 
 
@@ -272,17 +276,43 @@ def otherwise(value: Any) -> Any:
     if isinstance(value, float):
         return value * 0.99 + 0.001
     if isinstance(value, str):
-        return {"S2": "S3", "schedule": "fixed"}.get(value, value + "_other")
+        return OTHER_WORDS.get(value, value + "_other")
     if value and isinstance(value[0], float | list):
         return [otherwise(value[0]), *value[1:]]
-    return [*value, "S1"]
+    if value and isinstance(value[0], dict):
+        return [{**value[0], "name": "another"}, *value[1:]]
+    return value[:-1] if value else ["S1"]
 
 
 ATTITUDES = {"q_target_from_icrs_wxyz"}  # an empty one is Earth-pointing
 HALF_A_TURN = [0.0, 1.0, 0.0, 0.0]
+OTHER_WORDS = {
+    "S2": "S3",
+    "schedule": "fixed",
+    "poses": "approach",
+    "pairs": "single",
+    "stills": "interpolated",
+    "2026-03-20T12:00:00Z": "2026-03-21T12:00:00Z",
+}
 
-
-PLAIN = Scenario.model_validate({"name": "x", "tumble": TUMBLE})  # with every key there is
+# With every key there is, whether or not they go together; but those that only name a file.
+PLAIN = Scenario.model_validate(
+    {
+        "name": "x",
+        "tumble": TUMBLE,
+        "camera": OWN_CAMERA | {"preset": "chaser_fixed", "fov_deg": 50.0, "rendered_width": 480},
+        "motion": {
+            "kind": "poses",
+            "poses": "stills",
+            "table": pose_lines(3),
+            "epoch_utc": "2026-03-20T12:00:00Z",
+        },
+        "frame": {"kind": "pairs"},
+        "markers": OWN_MARKERS,
+        "told": every_difference(),
+        "exposure": {"schedule_ms": [[0.0, 1.0]]},
+    }
+)
 
 
 def with_another(place: tuple[str, ...]) -> Scenario:
@@ -300,7 +330,7 @@ PLACES = [place for place in leaves(json.loads(PLAIN.model_dump_json())) if plac
 
 def test_the_list_of_keys_is_whole() -> None:
     """The tests below walk over every key; there are dozens, not a handful."""
-    assert len(PLACES) > 40
+    assert len(PLACES) > 120
     assert {("name",), ("motion", "rate_hz"), ("detector", "bits")} <= set(PLACES)
 
 
@@ -333,7 +363,7 @@ def test_cases_survive_being_resolved_and_read_again(case: str, tmp_path: Path) 
 def test_a_resolved_scenario_spells_out_every_default() -> None:
     text = PLAIN.to_toml()
     for place in PLACES:
-        assert f"{place[-1]} = " in text
+        assert f"{place[-1]} = " in text or f"[[{'.'.join(place)}]]" in text
 
 
 def test_a_scenario_cannot_be_changed_in_place() -> None:
