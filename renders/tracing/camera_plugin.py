@@ -28,7 +28,8 @@ def undistort_steps(camera: Camera) -> int:
     distorted = (camera.spread_px() - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
     expected = camera.undistort(distorted)
     for steps in UNDISTORT_STEPS:
-        found = np.stack(undistorted(camera, *distorted.T, steps), axis=-1)
+        x, y = undistorted(camera, distorted[:, 0], distorted[:, 1], steps)
+        found = np.stack([x, y], axis=-1)
         if np.abs(found - expected).max() * max(camera.fx, camera.fy) < UNDISTORT_PX:
             return steps
     return UNDISTORT_ITERATIONS  # which a camera's own check has found to be enough
