@@ -52,7 +52,7 @@ class SweepOptions(TypedDict, total=False):
     suns: tuple[str, ...]
     exposure_ms: tuple[float, ...]
     lamp_w_sr: tuple[float, ...]
-    pipeline: Literal["best", "paper", "both"]
+    pipeline: str
     width: int | None
     spp: int | None
     marker_samples: int | None

@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,9 @@ class Fields:
             name = within.rstrip(".") or "a table"
             raise DatasetError(f"{where}: expected {name} with keys and values, got {shown(table)}")
         self._table = table
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._table)
 
     def __contains__(self, key: object) -> bool:
         return key in self._table
