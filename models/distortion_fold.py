@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arrays import Floats
-
 REAL = 1e-9  # imaginary part, over the size, below which a computed root counts as real
 
 
@@ -30,7 +28,7 @@ def fold_radius(k1: float, k2: float, p1: float, p2: float, k3: float) -> float:
 
 def _first_root(rising: list[float]) -> float:
     """Return the least positive root of ``c0 + c1 r + c2 r^2 + ...`` with c0 = 1, or infinity."""
-    inverse: Floats = np.roots(rising)  # of the polynomial in 1 / r, which is monic
+    inverse = np.roots(rising)  # of the polynomial in 1 / r, which is monic
     real = inverse.real[np.abs(inverse.imag) <= REAL * np.abs(inverse)]
     largest = float(real.max(initial=0.0))
     return 1.0 / largest if largest > 0.0 else np.inf

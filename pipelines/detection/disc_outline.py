@@ -109,7 +109,7 @@ def disc_outlines(
         return DiscOutlines(nowhere, nowhere, np.full((count, 2, 2), np.nan), facing)
     rim[~facing] = np.nan
     rim_px = camera.project(rim)
-    facing = np.isfinite(rim_px).all(axis=(1, 2))
+    facing = np.asarray(np.isfinite(rim_px).all(axis=(1, 2)))
     centres = np.where(facing[:, None], centres, np.nan)
     area_centres, moments = _polygon_moments(rim_px)
     return DiscOutlines(camera.project(centres), area_centres, 4.0 * moments, facing)

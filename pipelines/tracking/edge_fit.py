@@ -232,7 +232,7 @@ def _moved(samples: EdgeSamples, camera: Camera, pose: RigidTransform) -> EdgeSa
     moved = EdgeSamples(
         samples.points_in_target, pixels, samples.normals_px, samples.edge, samples.outline
     )
-    return moved.subset(np.isfinite(pixels).all(axis=1))
+    return moved.subset(np.asarray(np.isfinite(pixels).all(axis=1)))
 
 
 def _solve(

@@ -27,8 +27,9 @@ def undistort_steps(camera: Camera) -> int:
     """Return how many of Newton's steps a lens needs over its image: more where it nearly folds."""
     distorted = (camera.spread_px() - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
     expected = camera.undistort(distorted)
+    x, y = distorted.T
     for steps in UNDISTORT_STEPS:
-        found = np.stack(undistorted(camera, *distorted.T, steps), axis=-1)
+        found = np.stack(undistorted(camera, x, y, steps), axis=-1)
         if np.abs(found - expected).max() * max(camera.fx, camera.fy) < UNDISTORT_PX:
             return steps
     return UNDISTORT_ITERATIONS  # which a camera's own check has found to be enough
