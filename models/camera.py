@@ -6,7 +6,6 @@ Axes are OpenCV's: x right, y down, z forward. Pixel centres are integers, so th
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
@@ -15,7 +14,8 @@ import tomli_w
 from numpy.typing import ArrayLike
 
 from models.arrays import Floats, Mask
-from models.errors import ScenarioError, cause
+from models.errors import ScenarioError, UnreadableError, cause
+from models.reading.toml_file import read_toml
 
 UNDISTORT_TOLERANCE = 1e-12  # in normalised coordinates: 2e-9 px at f = 2196 px
 UNDISTORT_ITERATIONS = 50
@@ -213,8 +213,8 @@ class Camera:
             If the file is missing, is not TOML, or has an unknown or a missing key.
         """
         try:
-            table = tomllib.loads(path.read_text())
-        except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            table = read_toml(path)
+        except UnreadableError as error:
             raise ScenarioError(
                 f"{path}: expected a camera as TOML, got: {cause(error)}"
             ) from error

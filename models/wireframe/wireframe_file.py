@@ -13,12 +13,21 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from models.arrays import Indices
 from models.errors import DatasetError, cause
+from models.reading.bounds import LENGTH_M
+from models.reading.fields import Fields
+from models.reading.json_file import read_json_table
+from models.reading.shown import shown
+from models.reading.uncertainty import exact_rotation
 from models.wireframe.wireframe import Wireframe
+
+MOST_BYTES = 256_000_000
+MOST_LANDMARKS, MOST_EDGES = 100_000, 1_000_000
+MOST_TRIANGLES, MOST_SYMMETRIES = 1_000_000, 1000
 
 
 def wireframe_to_json(wireframe: Wireframe) -> str:
@@ -47,8 +56,8 @@ def read_wireframe(path: Path) -> Wireframe:
         If it is missing, no JSON, lacks a key, or describes no wireframe.
     """
     try:
-        return _wireframe(json.loads(path.read_text()))
-    except (OSError, UnicodeDecodeError, KeyError, TypeError, ValueError) as error:
+        return _wireframe(Fields(read_json_table(path, MOST_BYTES), path))
+    except (DatasetError, ValueError) as error:
         raise DatasetError(
             f"expected a wireframe at {path} with name, landmarks (name, point_in_target_m, "
             "appendage), edges (two names each), triangles_in_target_m and symmetries; "
@@ -56,21 +65,35 @@ def read_wireframe(path: Path) -> Wireframe:
         ) from error
 
 
-def _wireframe(table: dict[str, Any]) -> Wireframe:
-    landmarks = table["landmarks"]
-    names = tuple(str(row["name"]) for row in landmarks)
-    number = {name: index for index, name in enumerate(names)}
-    edges = [[number[start], number[end]] for start, end in table["edges"]]
+def _wireframe(fields: Fields) -> Wireframe:
+    fields.only(("name", "landmarks", "edges", "triangles_in_target_m", "symmetries"))
+    landmarks = fields.tables("landmarks", MOST_LANDMARKS)
+    for row in landmarks:
+        row.only(("name", "point_in_target_m", "appendage"))
+    names = tuple(row.text("name") for row in landmarks)
+    points = [row.vector("point_in_target_m", 3, *LENGTH_M) for row in landmarks]
+    turns = fields.numbers("symmetries", (None, 3, 3), -2.0, 2.0, MOST_SYMMETRIES)
     return Wireframe(
-        name=str(table["name"]),
+        name=fields.text("name"),
         landmark_names=names,
-        points_in_target=np.array(
-            [row["point_in_target_m"] for row in landmarks], dtype=np.float64
-        ).reshape(-1, 3),
-        appendage=np.array([bool(row["appendage"]) for row in landmarks], dtype=np.bool_),
-        edges=np.array(edges, dtype=np.int64).reshape(-1, 2),
-        triangles_in_target=np.array(table["triangles_in_target_m"], dtype=np.float64).reshape(
-            -1, 3, 3
+        points_in_target=np.array(points, dtype=np.float64).reshape(-1, 3),
+        appendage=np.array([row.flag("appendage") for row in landmarks], dtype=np.bool_),
+        edges=_edges(fields, names),
+        triangles_in_target=fields.numbers(
+            "triangles_in_target_m", (None, 3, 3), *LENGTH_M, MOST_TRIANGLES
         ),
-        symmetries=tuple(np.array(turn, dtype=np.float64) for turn in table["symmetries"]),
+        symmetries=tuple(exact_rotation(turn) for turn in turns),
     )
+
+
+def _edges(fields: Fields, names: tuple[str, ...]) -> Indices:
+    number = {name: index for index, name in enumerate(names)}
+    edges = []
+    for ends in fields.items("edges", MOST_EDGES):
+        if not isinstance(ends, list) or len(ends) != 2:
+            raise fields.refusal("edges", "as pairs of landmarks' names", shown(ends))
+        for end in ends:
+            if not isinstance(end, str) or end not in number:
+                raise fields.refusal("edges", "between landmarks by their names", shown(end))
+        edges.append([number[end] for end in ends])
+    return np.array(edges, dtype=np.int64).reshape(-1, 2)
