@@ -120,7 +120,10 @@ def estimate(folder: Path, threads: int | None = None) -> list[Path]:
     from bench.estimating.image_estimation import estimate_image_dataset
     from bench.estimating.starts import try_starts
 
-    return [*estimate_image_dataset(folder), *try_starts(folder, workers=threads or cores())]
+    return [
+        *estimate_image_dataset(folder),
+        *try_starts(folder, workers=min(threads or cores(), cores())),
+    ]
 
 
 def score(folder: Path) -> dict[str, Any]:

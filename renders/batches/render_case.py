@@ -7,6 +7,7 @@ is done.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
@@ -375,7 +376,7 @@ def _activate(variant: str, threads: int | None) -> None:
     if threads is not None:
         import drjit
 
-        drjit.set_thread_count(threads)
+        drjit.set_thread_count(min(threads, os.cpu_count() or 1))
 
 
 def _progress(console: Console) -> Progress:
