@@ -122,7 +122,8 @@ def estimate(
     """
     from bench.estimating.estimation import estimate_dataset
 
-    return estimate_dataset(folder, pipelines, time_limit_s, threads or cores())
+    workers = min(threads or cores(), cores())
+    return estimate_dataset(folder, pipelines, time_limit_s, workers)
 
 
 def score(folder: Path) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from bench.chains.catalogue import chain_named
 from bench.estimating.contenders import Contender, contenders
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
+from models.reading.options import check_option
 from renders.batches.sweep_batches import suns_in_a_batch
 from renders.scenario.scenario import RenderRequest, Scenario, check_scenario, resolve
 from renders.store.budget import budget_bytes
@@ -25,6 +26,8 @@ DEFAULT_STEP_DEG = 15.0
 DEFAULT_WIDTH_PX = 1024  # a survey of hundreds of Suns; a case with fewer columns keeps its own
 DEFAULT_MEMORY_GB = 4.0
 RANGE_STEP_S = 10.0  # the range falls by 0.15 m meanwhile; within less it never rises and falls
+EXPOSURE_MS, LAMP_W_SR = (1e-4, 1e5), (1e-6, 1e6)  # as a scenario's
+MOST_MARKER_SAMPLES, MOST_MEMORY_GB = 65_536, 1e5
 TIME_DIGITS = 3  # a moment is told to the millisecond: 15 um of range
 
 
@@ -141,16 +144,17 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
     scenario = resolve(asked)
     if request.width is None and scenario.camera.width > DEFAULT_WIDTH_PX:
         scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
+    check_option("--marker-samples", request.marker_samples, 1, MOST_MARKER_SAMPLES, whole=True)
+    check_option("--memory-gb", request.memory_gb, 0.0, MOST_MEMORY_GB)
+    for exposure_ms in request.exposure_ms:
+        check_option("--exposure-ms", exposure_ms, *EXPOSURE_MS)
+    for lamp_w_sr in request.lamp_w_sr:
+        check_option("--lamp-w-sr", lamp_w_sr, *LAMP_W_SR)
     if request.marker_samples is not None:
-        if request.marker_samples < 1:
-            raise ScenarioError(
-                f"expected --marker-samples of at least 1, got {request.marker_samples}"
-            )
         render = scenario.render.model_copy(update={"marker_samples": request.marker_samples})
         scenario = scenario.model_copy(update={"render": render})
         check_scenario(scenario, f"{request.case} with the options given")
-    _require_positive("--exposure-ms", request.exposure_ms)
-    _require_positive("--lamp-w-sr", request.lamp_w_sr)
+    cores = os.cpu_count() or 1
     suns, store_bytes = _suns(request), budget_bytes(request.store_budget_gb)
     world = world_of(scenario)
     if request.lamp_w_sr and not has_lamps(world):
@@ -164,7 +168,7 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         poses=_poses(request, world),
         suns=tuple(suns),
         pipelines=tuple(_contenders(request, world)),
-        workers=request.threads or os.cpu_count() or 1,
+        workers=min(request.threads or cores, cores),
         suns_in_a_pass=suns_in_a_batch(
             world.camera, len(world.bands), request.memory_gb, store_bytes
         ),
@@ -266,9 +270,3 @@ def _clock_s(world: World) -> list[float]:
     motion = world.scenario.motion
     count = max(2, int(np.ceil((motion.end_s - motion.start_s) / RANGE_STEP_S)) + 1)
     return [float(time_s) for time_s in np.linspace(motion.start_s, motion.end_s, count)]
-
-
-def _require_positive(option: str, values: tuple[float, ...]) -> None:
-    for value in values:
-        if not 0.0 < value < np.inf:
-            raise ScenarioError(f"expected {option} above 0, got {value:g}")

@@ -220,7 +220,7 @@ class Sweeper:
         if self.plan.request.threads is not None:
             import drjit
 
-            drjit.set_thread_count(self.plan.request.threads)
+            drjit.set_thread_count(self.plan.workers)
         studio = work.light.studio
         for other in self.works:
             if studio.scene is None and other.light.studio.scene is not None:
