@@ -63,7 +63,7 @@ def _pairs(scenario: Scenario) -> World:
             calibration=scenario.calibration,
             detector=scenario.simulated_detector,
             marked=bodies,
-            first_pose=FirstPose(approach, scenario.times_s[0], scenario.prior),
+            first_pose=FirstPose(approach, scenario.motion.start_s, scenario.prior),
         ),
         truth=of_markers,
         checks=(outside_the_target,),
