@@ -353,6 +353,9 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
             "between exposure.min_ms and exposure.max_ms, got 1 with 2",
         ),
         ('mode = "auto"\npercentile = 101.0', "expected exposure.percentile from 1 to 100"),
+        ("schedule_ms = [[0.0, 40.0]]", "and below motion.pair_gap_ms, 33 ms"),
+        ("schedule_ms = [0.0, 40.0]", "expected exposure.schedule_ms.0 to be a list"),
+        ("schedule_ms = [[1.0, 2.0]]\nmarker_fill = 0.5", "expected exposure.marker_fill as 0.6"),
     ],
 )
 def test_exposures_that_cannot_be_are_refused(tmp_path: Path, text: str, said: str) -> None:
@@ -423,7 +426,7 @@ def with_another(place: tuple[str, ...]) -> Scenario:
     inner = table
     for key in place[:-1]:
         inner = inner[key]
-    inner[place[-1]] = otherwise(inner[place[-1]]) if place[-1] not in ATTITUDES else HALF_A_TURN
+    inner[place[-1]] = IF_ANY.get(place[-1]) or otherwise(inner[place[-1]])
     return Scenario.model_validate(table)
 
 
