@@ -14,6 +14,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from models.plain_console import plain_console
 from renders.store.radiance_store import default_store
 from renders.variant.choice import VARIANTS, ProbeResult, probe, remedy
 from renders.variant.probe_cache import cache_folder, libllvm_files
@@ -36,7 +37,7 @@ def doctor(console: Console | None = None) -> int:
     int
         0 if at least one variant renders, else 2.
     """
-    console = console or Console()
+    console = console or plain_console()
     results = [probe(variant, fresh=True) for variant in VARIANTS]
     gpus = graphics_cards()
     console.print(_facts("versions", versions()))

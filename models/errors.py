@@ -22,14 +22,17 @@ class UnreadableError(DatasetError):
 
     Attributes
     ----------
+    reason : str
+        What is wrong, without the path and the line.
     told : str
-        What is wrong, without the path.
+        Without the path.
     line : int, optional
         Where, if a line can be named.
     """
 
     def __init__(self, path: object, told: str, line: int | None = None) -> None:
         super().__init__(f"{path}: {told}" if line is None else f"{path}:{line}: {told}")
+        self.reason = told
         self.told = told if line is None else f"in line {line}: {told}"
         self.line = line
 

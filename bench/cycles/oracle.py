@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from rich.console import Console
 
 from bench.cycles import regions, shadow_edges
 from bench.cycles.jobs import CYCLES, OURS, Job, Task, read_radiance, run
@@ -28,6 +27,7 @@ from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.errors import RvbenchError
 from models.lights.sun import sun_direction
+from models.plain_console import plain_console
 from models.pose import RigidTransform
 from models.spacecraft.part import Part
 
@@ -96,9 +96,26 @@ def plate_scene() -> NeutralScene:
 def render_both(
     scene: NeutralScene, samples: int, seeds: int, folder: Path
 ) -> tuple[dict[str, list[Radiance]], dict[str, list[Radiance]], dict[str, AnyArray]]:
-    """Render every Sun of a scene on its own, by both; return ours, theirs, and our truth.
+    """Render every Sun of a scene on its own, by both.
 
     Ours shares one pass between the Suns, as it would for a user.
+
+    Parameters
+    ----------
+    scene : NeutralScene
+    samples : int
+        Per pixel.
+    seeds : int
+        Images of each Sun by each side, seeded 0, 1, ...
+    folder : Path
+        For scene, jobs and images.
+
+    Returns
+    -------
+    ours, theirs : dict of str to list of (height, width) arrays, W m-2 sr-1
+        By Sun, one image a seed.
+    truth : dict of str to (height, width) or (height, width, 3) arrays
+        As ``OurRenderer.truth`` names it.
     """
     scene.write(folder / "scene")
     names = tuple(sun.name for sun in scene.suns)
@@ -139,7 +156,18 @@ def check_plate(folder: Path) -> list[PlateVerdict]:
 
 
 def check_maxar(size_px: int, samples: int, seeds: int, folder: Path) -> list[SunVerdict]:
-    """Compare the two renderers on the Maxar target, and save their pictures side by side."""
+    """Compare the two renderers on the Maxar target, and save their pictures side by side.
+
+    Parameters
+    ----------
+    size_px : int, px
+        Width and height.
+    samples : int
+        Per pixel.
+    seeds : int
+        Images of each Sun by each side.
+    folder : Path
+    """
     scene = maxar_scene(size_px, tuple(neutral_sun(name, sun_direction(name)) for name in SUNS))
     ours, theirs, truth = render_both(scene, samples, seeds, folder)
     kinds = {mesh.region: kind_of(scene.materials[mesh.material]) for mesh in scene.meshes}
@@ -167,7 +195,15 @@ def check_maxar(size_px: int, samples: int, seeds: int, folder: Path) -> list[Su
 
 
 def report(plate: list[PlateVerdict], suns: list[SunVerdict], settings: dict[str, int]) -> str:
-    """Return everything that was found as JSON."""
+    """Return everything that was found as JSON.
+
+    Parameters
+    ----------
+    plate : list of PlateVerdict
+    suns : list of SunVerdict
+    settings : dict of str to int
+        What was asked for.
+    """
     return json.dumps(
         {
             "settings": settings,
@@ -192,7 +228,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--out", type=Path, default=Path("out/oracle"))
     options = parser.parse_args()
-    console = Console(width=None if sys.stdout.isatty() else 110)
+    console = plain_console(width=None if sys.stdout.isatty() else 110)
     try:
         plate = check_plate(options.out / "plate")
         suns = check_maxar(options.size_px, options.samples, options.seeds, options.out / "maxar")

@@ -8,28 +8,27 @@ there is one, else from the rate given; the first pose comes from a ``prior.toml
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from bench.estimating.estimation import estimate_run
+from bench.estimating.contenders import contenders
+from bench.estimating.runner import estimate_run
 from models.arrays import Image
 from models.camera import Camera
-from models.dataset.dataset import (
-    FrameEntry,
-    read_detector,
-    read_frame_entries,
-    read_markers,
-    read_prior,
-)
+from models.dataset.detector_file import read_detector
+from models.dataset.frame_table import FrameEntry, read_frame_entries
+from models.dataset.marker_file import read_markers
+from models.dataset.prior_file import read_prior
+from models.dataset.version1 import PAIR_GAP_S
 from models.errors import DatasetError, ScenarioError, cause
-from models.frame import Frame
+from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading, Reading
 from models.markers import MarkerPattern
+from models.onboard import OnboardKnowledge
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it
 BITS = (8, 10, 12, 14, 16)
@@ -53,6 +52,8 @@ def estimate_pairs(
     detector: Path | None,
     rate_hz: float,
     out: Path,
+    pipelines: Sequence[str] = (),
+    limit_s: float | None = None,
 ) -> list[Path]:
     """Estimate every image pair of a folder with every variant.
 
@@ -72,6 +73,10 @@ def estimate_pairs(
         Where the folder has no ``frames.csv``.
     out : Path
         The estimates go to ``out/estimates``.
+    pipelines : sequence of str
+        Labels or names of pipelines; all that take pairs unless given.
+    limit_s : float, optional, s
+        Most that a frame may take.
 
     Returns
     -------
@@ -87,7 +92,8 @@ def estimate_pairs(
         raise ScenarioError(f"expected a rate in Hz above zero, got {rate_hz}")
     pairs = find_pairs(folder, rate_hz)
     knowledge = foreign_knowledge(folder, pairs, camera, target, prior, detector)
-    return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, len(pairs))
+    chosen, _ = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
+    return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, chosen, len(pairs), limit_s)
 
 
 def find_pairs(folder: Path, rate_hz: float) -> list[ForeignPair]:
@@ -142,7 +148,11 @@ def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
                     f"got {image.shape[1]} x {image.shape[0]}; give the camera that took them"
                 )
         entry = pair.entry
-        yield Frame(entry.index, entry.time_s, images[0], images[1], entry.exposure_ms)
+        readings: dict[str, Reading] = {
+            IMAGE_800: ImageReading(images[0], entry.time_s - PAIR_GAP_S, entry.exposure_ms),
+            IMAGE_850: ImageReading(images[1], entry.time_s, entry.exposure_ms),
+        }
+        yield Frame(entry.index, entry.time_s, readings)
 
 
 def read_grey(path: Path) -> Image:
@@ -213,7 +223,7 @@ def foreign_knowledge(
     target: str,
     prior: Path | None,
     detector: Path | None,
-) -> FlightKnowledge:
+) -> OnboardKnowledge:
     """Gather what must be known before the first frame.
 
     Raises
@@ -229,14 +239,11 @@ def foreign_knowledge(
             "this pipeline tracks from a prior. Write a TOML file with t_cam_from_target_m, "
             "euler_321_deg, sigma_t_m and sigma_euler_deg, three numbers each"
         )
-    pose, sigma_m, sigma_deg = read_prior(path)
-    return FlightKnowledge(
+    return OnboardKnowledge(
         camera=camera,
         detector=_detector(pairs[0].path_850, detector),
         markers=marker_pattern(target),
-        prior=pose,
-        prior_sigma_m=sigma_m,
-        prior_sigma_deg=sigma_deg,
+        prior=read_prior(path),
     )
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, UnreadableError, cause
+from models.reading.toml_file import read_toml
 
 
 def scenario_tables(folder: Path) -> dict[str, dict[str, Any]]:
@@ -23,8 +23,8 @@ def scenario_tables(folder: Path) -> dict[str, dict[str, Any]]:
     if not path.is_file():
         return {}
     try:
-        table = tomllib.loads(path.read_text())
-    except (OSError, ValueError) as error:
+        table = read_toml(path)
+    except UnreadableError as error:
         raise DatasetError(
             f"{path}: expected a scenario as TOML, got: {cause(error)}; "
             "render again: only what is missing is rendered, and this file is written anew"

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from rich.console import Console
 from tyro.conf import FlagCreatePairsOff, OmitSubcommandPrefixes, arg, subcommand
+
+from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
 
@@ -25,7 +26,7 @@ class ListLight:
         """Print it."""
         from bench.store.stored_light import print_holdings
 
-        print_holdings(_folder(self.store), Console())
+        print_holdings(_folder(self.store), plain_console())
         return DONE
 
 

@@ -16,6 +16,7 @@ from bench.suites.units import WorkUnit, read_outcome, write_outcome
 from bench.sweep.time_left import told
 from bench.sweep.workers import Workers
 from models.atomic_file import sweep_scratch
+from models.plain_console import plain_console
 
 LINE_EVERY_S = 30.0  # where stderr is no terminal
 
@@ -90,7 +91,7 @@ def do_units(
     int
         How many were done now.
     """
-    console = console or Console(stderr=True)
+    console = console or plain_console(stderr=True)
     sweep_scratch(folder)
     pace = Pace(workers)
     missing = []

@@ -24,11 +24,14 @@ import numpy as np
 from bench.suites.code_fingerprint import code_fingerprint
 from models.arrays import AnyArray, Floats
 from models.atomic_file import write_bytes, write_text
-from models.errors import DatasetError
+from models.errors import DatasetError, UnreadableError
+from models.reading.json_file import read_json
+from models.reading.regular_file import MEGABYTE, read_bytes
 
 KEY = "key"
 LIBRARIES = ("numpy", "scipy", "opencv-contrib-python-headless")
-NO_RESULT = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
+MOST_OUTCOME_BYTES = 2000 * MEGABYTE
+NO_RESULT = (UnreadableError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +109,12 @@ def seconds_path(folder: Path, unit: WorkUnit) -> Path:
 def write_outcome(folder: Path, unit: WorkUnit, outcome: Outcome) -> None:
     """Keep what a unit came to; its values are written last, and whole or not at all.
 
+    Parameters
+    ----------
+    folder : Path
+    unit : WorkUnit
+    outcome : Outcome
+
     Raises
     ------
     StorageError
@@ -127,12 +136,12 @@ def read_outcome(folder: Path, unit: WorkUnit) -> Outcome | None:
     """Return what a unit came to; None if it is not done, or was of another task or code."""
     key = unit.key  # now: what a process is handed later is the unit of this code
     try:
-        stream = io.BytesIO(outcome_path(folder, unit).read_bytes())
+        stream = io.BytesIO(read_bytes(outcome_path(folder, unit), MOST_OUTCOME_BYTES))
         with np.load(stream, allow_pickle=False) as file:
             if str(file[KEY]) != key:
                 return None
             values = {name: file[name] for name in file.files if name != KEY}
-        seconds = np.array(json.loads(seconds_path(folder, unit).read_text()), dtype=np.float64)
+        seconds = np.array(read_json(seconds_path(folder, unit)), dtype=np.float64)
     except NO_RESULT:
         return None
     return Outcome(values, seconds)

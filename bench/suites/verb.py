@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Annotated
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from tyro.conf import Positional, arg
 
 from bench.verbs import DONE, OptionalCount, OptionalFolder, OptionalNumber
 from models.errors import ScenarioError
+from models.plain_console import plain_console
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,13 @@ class Suite:
     """seed of all draws"""
 
     def run(self) -> int:
-        """Run what is missing, and say what came of it."""
+        """Run what is missing, and say what came of it.
+
+        Raises
+        ------
+        ScenarioError
+            If there is to be no worker, or the suite or an option is none.
+        """
         from bench.suites.catalogue import suite_by_name
         from bench.suites.request import SuiteRequest
 
@@ -77,7 +83,7 @@ class Suite:
             duration_s=self.duration_s,
             seed=self.seed,
         )
-        files = suite_by_name(self.name)(request, Console(stderr=True))
+        files = suite_by_name(self.name)(request, plain_console(stderr=True))
         _print_summary(files.summary)
         print(f"score: {files.score}")
         print(f"page:  {files.page.resolve()}")
@@ -90,4 +96,4 @@ def _print_summary(rows: list[list[str]]) -> None:
         table.add_column(title, justify="left" if place == 0 else "right")
     for row in rows[1:]:
         table.add_row(*row)
-    Console().print(table)
+    plain_console().print(table)

@@ -14,6 +14,7 @@ from bench.sweep.run import SweepResult
 from bench.sweep.shots import encoded_png, picture
 from bench.sweep.table import Row, Setting, setting_of
 from models.atomic_file import write_bytes
+from models.frame import IMAGE_850
 
 OF_EACH = 3
 
@@ -96,4 +97,4 @@ def write_extremes(out: Path, found: Sequence[Extreme]) -> list[Path]:
 
 def _picture(result: SweepResult, setting: Setting, row: Row) -> NDArray[np.uint8]:
     detector = result.knowledge[setting.time_s].detector
-    return picture(result.pair(setting, row.sun_text).image_850, detector)
+    return picture(result.pair(setting, row.sun_text).image(IMAGE_850).image, detector)

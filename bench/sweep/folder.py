@@ -24,6 +24,8 @@ from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
 from models.lights.sun_grid import NamedSun
+from models.reading.fields import Fields
+from models.reading.json_file import read_json_table
 from renders.scenario.scenario import read_scenario
 from renders.store.radiance_store import KEY
 from renders.store.sealed_exr import read_exr, write_exr
@@ -75,26 +77,57 @@ def scenario_path(out: Path) -> Path:
 def read_pose_truth(
     out: Path, pose: SweepPose, key: str, suns: Sequence[NamedSun]
 ) -> PoseTruth | None:
-    """Read the truth of a pose; None if it is absent, of another scene, or lacks a Sun."""
+    """Read the truth of a pose; None if it is absent, of another scene, or lacks a Sun.
+
+    Parameters
+    ----------
+    out : Path
+        The sweep's folder.
+    pose : SweepPose
+    key : str
+        Hash of what shaped it.
+    suns : sequence of NamedSun
+        That must be in it.
+    """
     try:
-        table: dict[str, Any] = json.loads(_truth_path(out, pose).read_text())
+        table: dict[str, Any] = read_json_table(_truth_path(out, pose))
         sun_lit = {str(text): [float(x) for x in xs] for text, xs in table["sun_lit"].items()}
-        truth = ExposureTruth.from_json(table["truth"])
+        truth = ExposureTruth.from_fields(Fields(table["truth"], _truth_path(out, pose)))
         known = table["key"] == key and all(sun.text in sun_lit for sun in suns)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (DatasetError, ValueError, KeyError, TypeError, AttributeError):
         return None
     return (truth, sun_lit) if known else None
 
 
 def write_pose_truth(out: Path, pose: SweepPose, key: str, found: PoseTruth) -> None:
-    """Write the truth of a pose, and how much each Sun lights of each marker, by ``--sun`` text."""
+    """Write the truth of a pose.
+
+    Parameters
+    ----------
+    out : Path
+        The sweep's folder.
+    pose : SweepPose
+    key : str
+        Hash of what shaped it.
+    found : (ExposureTruth, dict of str to list of float)
+        And how much each Sun lights of each marker, by ``--sun`` text.
+    """
     truth, sun_lit = found
     table = {"key": key, "truth": truth.to_json(), "sun_lit": sun_lit}
     write_text(_truth_path(out, pose), json.dumps(table) + "\n")
 
 
 def depth_path(out: Path, pose: SweepPose, band: int) -> Path:
-    """Return where the depth of one exposure's pixels lies."""
+    """Return where the depth of one exposure's pixels lies.
+
+    Parameters
+    ----------
+    out : Path
+        The sweep's folder.
+    pose : SweepPose
+    band : int, nm
+        800 or 850.
+    """
     return out / "truth" / f"depth_{pose.time_s:.3f}_{band}.exr"
 
 
@@ -104,7 +137,15 @@ def has_depth(path: Path, key: str) -> bool:
 
 
 def write_depth(path: Path, key: str, depth_m: Radiance) -> None:
-    """Write the depth of one exposure's pixels, m."""
+    """Write the depth of one exposure's pixels.
+
+    Parameters
+    ----------
+    path : Path
+    key : str
+        Hash of what shaped it.
+    depth_m : (height, width) array, m
+    """
     write_exr(path, {"Z": depth_m}, {KEY: key})
 
 

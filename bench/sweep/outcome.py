@@ -64,7 +64,14 @@ def title(result: SweepResult) -> str:
 
 
 def rows_of(result: SweepResult, setting: Setting, pipeline: str) -> list[Row]:
-    """Return the rows of one map, a row for each Sun."""
+    """Return the rows of one map, a row for each Sun.
+
+    Parameters
+    ----------
+    result : SweepResult
+    setting : Setting
+    pipeline : str
+    """
     return [row for row in result.rows if row.pipeline == pipeline and setting_of(row) == setting]
 
 
@@ -85,7 +92,8 @@ def print_sweep(console: Console, result: SweepResult) -> None:
     best, harshest = ranked(rows_of(result, result.settings[0], result.map_pipeline))
     for name, rows in (("kindest", best), ("harshest", harshest)):
         for row in rows[:OF_EACH]:
-            console.print(f"{name}: Sun {row.sun}: {told(row)}", soft_wrap=True, highlight=False)
+            line = f"{name}: Sun {row.sun}: {told(row)}"
+            console.print(line, soft_wrap=True, highlight=False, markup=False)
 
 
 def _errors(rows: list[Row]) -> tuple[str, str]:

@@ -13,8 +13,8 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.pictures.frame_records import PREFERRED
-from bench.scoring.detections import visible_markers
+from bench.pictures.frame_record import PREFERRED
+from bench.scoring.pairs.detections import visible_markers
 from bench.sweep.folder import (
     PoseTruth,
     check_folder,
@@ -29,6 +29,7 @@ from bench.sweep.workers import Workers
 from models.atomic_file import sweep_scratch, write_text
 from models.errors import StorageError
 from models.frame import Frame
+from models.plain_console import plain_console
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.batches.render_case import provenance
 from renders.batches.sweep_batches import scenario_at, under
@@ -83,7 +84,7 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
     ScenarioError, DatasetError, VariantError, StorageError
         Each says what to do; nothing already done is lost.
     """
-    console = console or Console(stderr=True)
+    console = console or plain_console(stderr=True)
     plan = plan_sweep(request)
     check_folder(plan)
     worlds = [World(scenario_at(plan.scenario, pose.time_s)) for pose in plan.poses]

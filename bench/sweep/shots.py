@@ -25,7 +25,9 @@ from models.atomic_file import write_bytes, write_text
 from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
-from models.frame import Frame
+from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
+from models.reading.json_file import read_json_table
+from models.reading.regular_file import read_bytes
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import ChaserFixed, options_for
@@ -106,6 +108,14 @@ class ShotRecord:
 def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> bool:
     """Take shots of one pose under one Sun, and keep what they came to in ``out/shots``.
 
+    Parameters
+    ----------
+    shots : sequence of Shot
+        At least one; all under the same light.
+    knowledge : FlightKnowledge
+    out : Path
+        The sweep's folder.
+
     Returns
     -------
     bool
@@ -125,7 +135,12 @@ def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> 
 
 
 def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
-    """Read what lights a shot, by band; None if an entry is absent or damaged."""
+    """Read what lights a shot, by band; None if an entry is absent or damaged.
+
+    Returns
+    -------
+    dict of int to dict of LightGroup to (height, width) arrays, W m-2 sr-1, or None
+    """
     world, store = World(shot.scenario), RadianceStore(shot.store)
     light = {}
     exposures = {exposure.band: exposure for exposure in world.exposures}
@@ -138,7 +153,14 @@ def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
 
 
 def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> Frame:
-    """Expose the pair: light is linear, so another lamp power is a factor."""
+    """Expose the pair: light is linear, so another lamp power is a factor.
+
+    Parameters
+    ----------
+    shot : Shot
+    light : mapping of int to mapping of LightGroup to (height, width) arrays, W m-2 sr-1
+        By band, as ``read_light`` gives it.
+    """
     world = World(shot.scenario)
     images: dict[int, Image] = {}
     for exposure in world.exposures:
@@ -152,7 +174,15 @@ def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> F
         depth_m = _depth_m(shot, exposure.band)
         images[exposure.band] = compose(world, groups, exposure, shot.exposure_ms, RUN, depth_m)
     time_s = world.scenario.times_s[0]
-    return Frame(0, time_s, images[800], images[850], shot.exposure_ms)
+    gap_s = 1e-3 * shot.scenario.motion.pair_gap_ms
+    return Frame(
+        0,
+        time_s,
+        {
+            IMAGE_800: ImageReading(images[800], time_s - gap_s, shot.exposure_ms),
+            IMAGE_850: ImageReading(images[850], time_s, shot.exposure_ms),
+        },
+    )
 
 
 def _depth_m(shot: Shot, band: int) -> Radiance | None:
@@ -171,13 +201,15 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
     """Read what a shot came to; None if it has not been taken or its files are not whole."""
     path = _path(out, shot)
     try:
-        record = json.loads(path.read_text())
+        record = read_json_table(path)
         if record["key"] != shot.key:
             return None
-        estimates = {name: estimate_from_json(record["estimates"][name]) for name in shot.pipelines}
+        estimates = {
+            name: estimate_from_json(record["estimates"][name], path) for name in shot.pipelines
+        }
         saturated = {int(band): float(x) for band, x in record["saturated_percent"].items()}
-        data = np.frombuffer(path.with_suffix(".png").read_bytes(), np.uint8)
-    except (OSError, ValueError, KeyError, TypeError):
+        data = np.frombuffer(read_bytes(path.with_suffix(".png")), np.uint8)
+    except (DatasetError, ValueError, KeyError, TypeError):
         return None
     thumbnail = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if len(data) else None
     if thumbnail is None:
@@ -186,7 +218,19 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
 
 
 def picture(image: Image, detector: Detector, width_px: int | None = None) -> NDArray[np.uint8]:
-    """Return a frame as grey levels, averaged down to ``width_px`` if it is wider."""
+    """Return a frame as grey levels, averaged down to ``width_px`` if it is wider.
+
+    Parameters
+    ----------
+    image : (height, width) array, DN
+    detector : Detector
+    width_px : int, px, optional
+        As wide as it is unless given.
+
+    Returns
+    -------
+    (height, width) uint8 array
+    """
     grey = stretch(image.astype(np.float64) - detector.bias_dn, detector)
     if width_px is not None and width_px < grey.shape[1]:
         height_px = round(grey.shape[0] * width_px / grey.shape[1])
@@ -195,7 +239,17 @@ def picture(image: Image, detector: Detector, width_px: int | None = None) -> ND
 
 
 def encoded_png(grey: NDArray[np.uint8]) -> bytes:
-    """Return grey levels as PNG."""
+    """Return grey levels as PNG.
+
+    Parameters
+    ----------
+    grey : (height, width) uint8 array
+
+    Raises
+    ------
+    DatasetError
+        If OpenCV refuses.
+    """
     ok, data = cv2.imencode(".png", grey)
     if not ok:
         raise DatasetError(f"expected OpenCV to encode an image of {grey.shape}, it refused")
@@ -206,10 +260,10 @@ def _write(
     out: Path, shot: Shot, frame: Frame, estimates: Mapping[str, Estimate], detector: Detector
 ) -> None:
     path = _path(out, shot)
-    small = picture(frame.image_850, detector, THUMBNAIL_PX)
+    small = picture(frame.image(IMAGE_850).image, detector, THUMBNAIL_PX)
     write_bytes(path.with_suffix(".png"), encoded_png(small))
     full_dn = detector.saturation_dn - 3.0 * detector.read_noise_e / detector.gain_e_dn - 1.0
-    pair = {800: frame.image_800, 850: frame.image_850}
+    pair = {800: frame.image(IMAGE_800).image, 850: frame.image(IMAGE_850).image}
     record = {
         "format": SHOT_FORMAT,
         "key": shot.key,

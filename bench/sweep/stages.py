@@ -115,6 +115,7 @@ class Sweeper:
             f"{camera.height}, {self.variant}; to trace: {totals[LIGHT]} light groups{again}; "
             f"{shots - totals[POSES]} of {shots} pairs are done already",
             soft_wrap=True,
+            markup=False,
         )
 
     def _damaged(self, workers: Workers) -> set[str]:

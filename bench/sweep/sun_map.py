@@ -22,7 +22,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from bench.report.figures import INK, STYLE
+from bench.report.plain_text import take_literally
+from bench.report.plot import INK, STYLE
 from bench.sweep.table import VERDICTS, Row, Setting, Verdict
 from models.arrays import Floats
 from models.lights.sun import SUN_CASES_DEG
@@ -69,7 +70,14 @@ def on_sphere(azimuth_deg: float, elevation_deg: float) -> tuple[float, float]:
 
 
 def tiles(rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]) -> list[Tile] | None:
-    """Lay frames out on the sphere; None where directions are too near to each other for it."""
+    """Lay frames out on the sphere; None where directions are too near to each other for it.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    thumbnails : sequence of (height, width) uint8 arrays
+        One a row.
+    """
     places = np.array([on_sphere(row.azimuth_deg, row.elevation_deg) for row in rows])
     size_deg = min(TILE_SHARE * nearest_deg(places), LARGEST_TILE_DEG)
     if len(rows) * size_deg**2 < LEAST_COVERED * SPHERE_DEG2:
@@ -88,7 +96,14 @@ def nearest_deg(places: Floats) -> float:
 
 
 def tiles_in_rows(rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]) -> list[Tile]:
-    """Lay frames out in rows, in the order given, over the map's width."""
+    """Lay frames out in rows, in the order given, over the map's width.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    thumbnails : sequence of (height, width) uint8 arrays
+        One a row.
+    """
     columns = min(ROW_OF_TILES, len(rows))
     step = min(MAP_SPAN_DEG[0] / columns, 90.0)
     return [
@@ -132,7 +147,17 @@ def sun_map(
 def sun_map_figure(
     title: str, setting: Setting, rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]
 ) -> Figure:
-    """Return the map as a figure; its first axes hold one image for each direction."""
+    """Return the map as a figure; its first axes hold one image for each direction.
+
+    Parameters
+    ----------
+    title : str
+    setting : Setting
+    rows : sequence of Row
+        One for each direction, of one pipeline.
+    thumbnails : sequence of (height, width) uint8 arrays
+        One a row.
+    """
     placed = tiles(rows, thumbnails)
     laid = placed if placed is not None else tiles_in_rows(rows, thumbnails)
     half = 0.5 * laid[0].size_deg
@@ -159,6 +184,7 @@ def sun_map_figure(
             left_in = 0.5 + 7.9 * column
             place = (left_in / WIDTH_IN, 0.3 / tall_in, 6.6 / WIDTH_IN, 3.3 / tall_in)
             _small_map(figure, place, rows, values, name)
+        take_literally(figure)
     return figure
 
 

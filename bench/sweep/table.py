@@ -16,15 +16,21 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from bench.scoring.detections import VisibleMarkers, judge
+from bench.scoring.pairs.detections import VisibleMarkers, judge
 from models.errors import DatasetError, cause
-from models.estimate import Estimate, PoseEstimate
+from models.estimate import Estimate
 from models.lights.sun_grid import NamedSun
 from models.pose import pose_error
+from models.reading import csv_table
+from models.reading.bounds import MOST_PROSE
+from models.reading.fields import Fields
+from models.reading.json_file import read_json_table
 from renders.truth.exposure_truth import ExposureTruth
 
 TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 1
 HALF = 0.5
+LARGEST = 1e15  # of any number in the table
+MOST_COUNTED = 1_000_000
 
 Verdict: TypeAlias = Literal["all found", "some missed", "no pose"]
 VERDICTS: tuple[Verdict, ...] = ("all found", "some missed", "no pose")
@@ -51,7 +57,7 @@ class Row:
         without; ``no pose``.
     expected, found, mismatched, used : int
         Markers that are truly whole, lit and in the image; those of them truly found; matches
-        that are not true; markers that the solver kept. See ``bench.scoring.detections``.
+        that are not true; markers that the solver kept. See ``bench.scoring.pairs.detections``.
     in_sun : int
         Markers that the Sun lights at least half.
     position_error_mm, attitude_error_deg : float or None, mm and deg
@@ -127,13 +133,27 @@ def judged_row(
     markers: VisibleMarkers,
     saturated_percent: dict[int, float],
 ) -> Row:
-    """Hold one estimate against the truth."""
-    judged = judge(estimate.detections, markers)
+    """Hold one estimate against the truth.
+
+    Parameters
+    ----------
+    sun : NamedSun
+    setting : Setting
+    pipeline : str
+    estimate : Estimate
+    truth : ExposureTruth
+        At the time of the estimate.
+    markers : VisibleMarkers
+        Which of them an image can show, under this Sun.
+    saturated_percent : dict of int to float
+        Of all pixels, at 800 and at 850 nm.
+    """
+    judged = judge(estimate.detected, markers)
     expected, found = int(markers.expected.sum()), int(markers.expected[judged.found].sum())
     error = (
-        pose_error(estimate.cam_from_target, truth.cam_from_target)
-        if isinstance(estimate, PoseEstimate)
-        else None
+        None
+        if estimate.pose is None
+        else pose_error(estimate.pose.cam_from_target, truth.cam_from_target)
     )
     along_mm = [None] * 3 if error is None else [1e3 * float(x) for x in error.position_m]
     verdict: Verdict = "all found" if found == expected else "some missed"
@@ -159,7 +179,7 @@ def judged_row(
         error_z_mm=along_mm[2],
         saturated_800_percent=saturated_percent[800],
         saturated_850_percent=saturated_percent[850],
-        reason=getattr(estimate, "reason", ""),
+        reason=estimate.reason or "",
     )
 
 
@@ -185,9 +205,9 @@ def read_csv(path: Path) -> list[Row]:
         If it is missing, or a column or number of it is.
     """
     try:
-        with path.open(newline="") as file:
-            return [_row(record) for record in csv.DictReader(file)]
-    except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
+        columns = [field.name for field in fields(Row)]
+        return [_row(record) for record in csv_table.read_csv(path, columns)]
+    except DatasetError as error:
         raise DatasetError(
             f"expected the table of a sweep at {path}, got: {cause(error)}; sweep again: only what "
             "is missing is done"
@@ -214,29 +234,33 @@ def read_json(path: Path) -> tuple[list[Row], dict[str, Any]]:
         If it is missing, broken, or of another version.
     """
     try:
-        table = json.loads(path.read_text())
+        table = read_json_table(path)
         if (table.pop("format"), table.pop("version")) != (TABLE_FORMAT, TABLE_VERSION):
             raise ValueError("another format or version")
-        return [Row(**record) for record in table.pop("rows")], table
-    except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
+        rows = Fields(table, path).tables("rows")
+        del table["rows"]
+        return [_row(record) for record in rows], table
+    except (DatasetError, KeyError, ValueError) as error:
         raise DatasetError(
             f"expected a sweep at {path}, got: {cause(error)}; sweep again: only what is missing "
             "is done"
         ) from error
 
 
-def _row(record: dict[str, str]) -> Row:
+def _row(record: Fields) -> Row:
     kinds = typing.get_type_hints(Row)
+    record.only(tuple(kinds))
     values: dict[str, Any] = {}
     for name, kind in kinds.items():
-        text = record[name]
         options = typing.get_args(kind) if isinstance(kind, types.UnionType) else (kind,)
-        if text == "" and type(None) in options:
+        if type(None) in options and record.value(name) in (None, ""):
             values[name] = None
         elif float in options:
-            values[name] = float(text)
+            values[name] = record.number(name, -LARGEST, LARGEST)
         elif kind is int:
-            values[name] = int(text)
+            values[name] = record.whole(name, 0, MOST_COUNTED)
+        elif name == "verdict":
+            values[name] = record.choice(name, VERDICTS)
         else:
-            values[name] = text
+            values[name] = record.text(name, MOST_PROSE)
     return Row(**values)

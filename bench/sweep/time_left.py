@@ -22,7 +22,7 @@ class StageClock:
     total : int
         Pieces in all.
     done : int
-    pieces : list of (int, float)
+    steps : list of (int, float)
         Pieces and seconds of each step done.
     """
 
@@ -31,7 +31,15 @@ class StageClock:
     steps: list[tuple[int, float]] = field(default_factory=list)
 
     def add(self, pieces: int, seconds: float, telling: bool = True) -> None:
-        """Count a step; one that is ``telling`` is like those to come."""
+        """Count a step.
+
+        Parameters
+        ----------
+        pieces : int
+        seconds : float, s
+        telling : bool
+            Whether it is like those to come.
+        """
         self.done += pieces
         if pieces > 0 and telling:
             self.steps.append((pieces, seconds))
@@ -102,7 +110,17 @@ class SweepProgress:
             yield self
 
     def add(self, stage: str, pieces: int, seconds: float, telling: bool = True) -> None:
-        """Count a step of a stage; see ``StageClock.add``."""
+        """Count a step of a stage; see ``StageClock.add``.
+
+        Parameters
+        ----------
+        stage : str
+            ``LIGHT`` or ``POSES``.
+        pieces : int
+        seconds : float, s
+        telling : bool
+            Whether the step is like those to come.
+        """
         self.clocks[stage].add(pieces, seconds, telling)
         self._tell()
         clock = self.clocks[stage]

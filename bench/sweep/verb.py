@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from rich.console import Console
 from tyro.conf import Positional, arg
 
 from bench import api
 from bench.verbs import DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
+from models.plain_console import plain_console
 
 Numbers = Annotated[tuple[float, ...], arg(metavar="NUMBER ...", help_behavior_hint="")]
 
@@ -76,7 +76,7 @@ class Sweep:
 
         out = self.out or Path("out") / f"sweep-{Path(self.case).stem}"
         result, files = api.sweep(self.case, out, **self.options())
-        print_sweep(Console(), result)
+        print_sweep(plain_console(), result)
         print(f"table: {files.csv}")
         for path in files.maps:
             print(f"map:   {path.resolve()}")

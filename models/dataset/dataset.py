@@ -27,6 +27,7 @@ from models.dataset.frame_table import FrameEntry, read_frame_entries
 from models.dataset.image_file import check_image_size, read_image
 from models.dataset.onboard_files import read_onboard
 from models.dataset.sensor_table import read_table
+from models.dataset.version1 import HASHED_IN_VERSION_1
 from models.errors import DatasetError
 from models.estimate import Estimate
 from models.frame import Frame, ImageReading, Reading, TableReading
@@ -121,6 +122,8 @@ class Dataset:
 
     def fingerprint(self) -> str:
         """Return a hash of the public half but its images, as hexadecimal text."""
+        if self.info.version == 1:
+            return _hash_of([self.folder / name for name in HASHED_IN_VERSION_1])
         files = [each.files for each in self.info.streams if each.kind != "image"]
         return _hash_of([self.folder / name for name in self._listed(files)])
 

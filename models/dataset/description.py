@@ -73,6 +73,8 @@ class DatasetInfo:
         Files of what is on board before the first frame.
     provenance : dict
         Versions and hashes; nothing that tells a pose.
+    version : int
+        Of the format that it was read from.
     """
 
     case: str
@@ -83,6 +85,7 @@ class DatasetInfo:
     streams: tuple[Stream, ...]
     onboard: tuple[str, ...]
     provenance: dict[str, str] = field(default_factory=dict)
+    version: int = VERSION
 
     def stream(self, name: str) -> Stream:
         """Return a stream by name.
@@ -144,7 +147,7 @@ def read_info(folder: Path) -> DatasetInfo:
     if version[1] == 1 and version[0] in FORMATS_OF_VERSION_1:
         old = FORMATS_OF_VERSION_1[version[0]]
         streams = tuple(Stream(**each) for each in old.streams)
-        return _info(fields, streams, old.onboard, old.chain)
+        return _info(fields, streams, old.onboard, old.chain, version=1)
     known = ", ".join(FORMATS_OF_VERSION_1)
     raise DatasetError(
         f"{path}: expected format {FORMAT!r} of version {VERSION}, or version 1 of {known}, "
@@ -154,7 +157,11 @@ def read_info(folder: Path) -> DatasetInfo:
 
 
 def _info(
-    fields: Fields, streams: tuple[Stream, ...], onboard: tuple[str, ...], chain: str
+    fields: Fields,
+    streams: tuple[Stream, ...],
+    onboard: tuple[str, ...],
+    chain: str,
+    version: int = VERSION,
 ) -> DatasetInfo:
     provenance = fields.value("provenance")
     if not isinstance(provenance, dict):
@@ -168,6 +175,7 @@ def _info(
         streams=streams,
         onboard=onboard,
         provenance={str(key): str(value) for key, value in provenance.items()},
+        version=version,
     )
 
 

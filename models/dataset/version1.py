@@ -8,6 +8,7 @@ from typing import Any
 from models.frame import CHASER_ORBIT, IMAGE, IMAGE_800, IMAGE_850
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS
 
+HASHED_IN_VERSION_1 = ("dataset.json", "frames.csv", "detector.toml", "markers.toml")
 PAIR_GAP_S = 0.033  # version 1 did not tell it; the pipelines took this
 
 

@@ -147,8 +147,13 @@ class Fields:
         low: float,
         high: float,
         most: int = MOST_ITEMS,
+        *,
+        holes: bool = False,
     ) -> Floats:
-        """Return an array of nested lists; only the first of ``shape`` may be None, any length."""
+        """Return an array of nested lists; only the first of ``shape`` may be None, any length.
+
+        With ``holes`` a null is a NaN.
+        """
         rows: list[Any] = [self.value(key)]
         words = " x ".join("n" if side is None else str(side) for side in shape)
         for side in shape:
@@ -157,6 +162,8 @@ class Fields:
                     raise self.refusal(key, f"as lists of {words} numbers", shown(row))
             rows = list(chain.from_iterable(rows))
         for item in rows:
+            if item is None and holes:
+                continue
             if type(item) not in (int, float) or not low <= item <= high:
                 expected = f"as numbers {_between(low, high, None, '')}"
                 raise self.refusal(key, expected, shown(item))

@@ -13,12 +13,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from models.errors import DatasetError, cause
+from models.errors import DatasetError
+from models.reading.bounds import LENGTH_M
+from models.reading.fields import Fields
+from models.reading.json_file import read_json_table
+from models.reading.shown import shown
 from models.wireframe.wireframe import Wireframe
+
+MOST_LANDMARKS = 100_000
+MOST_SYMMETRIES = 1000
 
 
 def wireframe_to_json(wireframe: Wireframe) -> str:
@@ -47,30 +53,34 @@ def read_wireframe(path: Path) -> Wireframe:
         If it is missing, no JSON, lacks a key, or describes no wireframe.
     """
     try:
-        return _wireframe(json.loads(path.read_text()))
-    except (OSError, UnicodeDecodeError, KeyError, TypeError, ValueError) as error:
+        return _wireframe(Fields(read_json_table(path), path))
+    except (DatasetError, ValueError) as error:
+        said = str(error).removeprefix(f"{path}: ")
         raise DatasetError(
             f"expected a wireframe at {path} with name, landmarks (name, point_in_target_m, "
             "appendage), edges (two names each), triangles_in_target_m and symmetries; "
-            f"got: {cause(error)}"
+            f"got: {said}"
         ) from error
 
 
-def _wireframe(table: dict[str, Any]) -> Wireframe:
-    landmarks = table["landmarks"]
-    names = tuple(str(row["name"]) for row in landmarks)
+def _wireframe(table: Fields) -> Wireframe:
+    landmarks = table.tables("landmarks", MOST_LANDMARKS)
+    names = tuple(row.text("name") for row in landmarks)
     number = {name: index for index, name in enumerate(names)}
-    edges = [[number[start], number[end]] for start, end in table["edges"]]
+    edges = []
+    for ends in table.items("edges"):
+        joined = [number.get(str(end)) for end in ends] if isinstance(ends, list) else []
+        if len(joined) != 2 or None in joined:
+            raise table.refusal("edges", "as two names of landmarks each", shown(ends))
+        edges.append(joined)
     return Wireframe(
-        name=str(table["name"]),
+        name=table.text("name"),
         landmark_names=names,
         points_in_target=np.array(
-            [row["point_in_target_m"] for row in landmarks], dtype=np.float64
+            [row.vector("point_in_target_m", 3, *LENGTH_M) for row in landmarks]
         ).reshape(-1, 3),
-        appendage=np.array([bool(row["appendage"]) for row in landmarks], dtype=np.bool_),
+        appendage=np.array([row.flag("appendage") for row in landmarks], dtype=np.bool_),
         edges=np.array(edges, dtype=np.int64).reshape(-1, 2),
-        triangles_in_target=np.array(table["triangles_in_target_m"], dtype=np.float64).reshape(
-            -1, 3, 3
-        ),
-        symmetries=tuple(np.array(turn, dtype=np.float64) for turn in table["symmetries"]),
+        triangles_in_target=table.numbers("triangles_in_target_m", (None, 3, 3), *LENGTH_M),
+        symmetries=tuple(table.numbers("symmetries", (None, 3, 3), -1.1, 1.1, MOST_SYMMETRIES)),
     )

@@ -45,7 +45,12 @@ class Region:
 
     @classmethod
     def whole(cls, image: Image) -> Region:
-        """Return all of an image."""
+        """Return all of an image.
+
+        Parameters
+        ----------
+        image : (height, width) array
+        """
         return cls(0, image.shape[0], 0, image.shape[1])
 
 
@@ -61,7 +66,7 @@ def clipped_difference(pair: ImagePair) -> Image:
 
 
 def signed_difference(pair: ImagePair, region: Region) -> Floats:
-    """Return 850 nm - 800 nm of a region, DN."""
+    """Return 850 nm - 800 nm of a region, (height, width) DN."""
     difference = cv2.subtract(
         pair.image_850[region.part], pair.image_800[region.part], dtype=cv2.CV_32F
     )
@@ -70,6 +75,13 @@ def signed_difference(pair: ImagePair, region: Region) -> Floats:
 
 def saturated(pair: ImagePair, detector: Detector, region: Region | None = None) -> Mask | None:
     """Tell which pixels of a region are saturated in either exposure, with a rim of one pixel.
+
+    Parameters
+    ----------
+    pair : ImagePair
+    detector : Detector
+    region : Region, optional
+        The whole image unless given.
 
     Returns
     -------

@@ -25,6 +25,7 @@ from models.atomic_file import write_text
 from models.dataset.frame_table import FrameEntry
 from models.dataset.image_file import read_image
 from models.errors import DatasetError, ScenarioError
+from models.plain_console import plain_console
 from models.pose import RigidTransform
 from renders.batches.dataset_writer import (
     DatasetWriter,
@@ -107,13 +108,14 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     if uses_store:
         store.open_for_writing()
     start_renderer(variant, request.threads)
-    console = console or Console(stderr=True)
+    console = console or plain_console(stderr=True)
     frames = "image pairs" if len(world.bands) > 1 else "images"
     console.print(
         f"{world.scenario.name}, Sun {world.scenario.sun.default}: {info.frames} {frames} at "
         f"{world.camera.width} x {world.camera.height}, {variant}; "
         f"{len(there)} of {len(world.exposures)} exposures are there already",
         soft_wrap=True,
+        markup=False,
     )
     shaping = {
         e: frozenset(light[e.frame, e.band].values()) | {keys.geometry(e, poses[e])}

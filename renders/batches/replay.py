@@ -15,9 +15,11 @@ import numpy as np
 
 from models.arrays import Image, Radiance
 from models.dataset.frame_table import FrameEntry
-from models.errors import DatasetError, StorageError, cause
+from models.errors import DatasetError, StorageError, UnreadableError, cause
 from models.frame import Frame, ImageReading, Reading
 from models.onboard import OnboardKnowledge
+from models.reading.json_file import read_json_table
+from models.reading.regular_file import MEGABYTE
 from renders.detector.compose import compose
 from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import read_scenario
@@ -29,6 +31,8 @@ from renders.tracing.light_groups import LightGroup
 from renders.world.build import world_of
 from renders.world.exposure import FILTERED, Exposure, exposure_name
 from renders.world.world import World
+
+MOST_RECORD_BYTES = 2000 * MEGABYTE  # 64 digits a key, some keys an exposure
 
 
 def read_groups(
@@ -87,10 +91,10 @@ def read_light_record(folder: Path) -> tuple[RadianceStore, dict[str, dict[str, 
     """
     path = folder / "truth" / "light.json"
     try:
-        table = json.loads(path.read_text())
+        table = read_json_table(path, MOST_RECORD_BYTES)
         exposures = {str(name): dict(keys) for name, keys in table["exposures"].items()}
         return RadianceStore(Path(table["store"])), exposures
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (UnreadableError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise DatasetError(
             f"expected the light's keys at {path}, got: {cause(error)}; render again"
         ) from error
@@ -121,7 +125,7 @@ def _at_band(exposure: Exposure) -> str:
 
 
 def _how_to_bring_back(folder: Path) -> str:
-    kept = json.loads((folder / "truth" / "light.json").read_text()).get("kept")
+    kept = read_json_table(folder / "truth" / "light.json", MOST_RECORD_BYTES).get("kept")
     if kept is None:
         return "run the same command again to bring it back"
     return (

@@ -66,8 +66,8 @@ class ExposureControl:
         ----------
         frame : int
         image_of : callable
-            Gives the image of a frame before this one, of a pair the 850 nm one; asked only for
-            what is not metered yet.
+            Gives the (height, width) image, DN, of a frame before this one, of a pair the 850 nm
+            one; asked only for what is not metered yet.
         """
         while len(self.entries) <= frame:
             before = self.entries[-1]

@@ -38,7 +38,15 @@ SHARPEST_PX = 1e-3  # a point spread below it is this, well within one pixel
 
 
 def electrons_per_irradiance(optics: Optics, camera: Camera, detector: Detector) -> float:
-    """Return electrons per second for 1 W/m2 of a distant point on axis."""
+    """Return electrons per second for 1 W/m2 of a distant point on axis.
+
+    Parameters
+    ----------
+    optics : Optics
+    camera : Camera
+        Its focal length sets the size of the pupil.
+    detector : Detector
+    """
     focal_m = camera.fx * detector.pixel_pitch_um * 1e-6
     pupil_m2 = 0.25 * np.pi * (focal_m / optics.f_number) ** 2
     passed = optics.transmission * detector.quantum_efficiency / photon_energy_j(SUNLIGHT_NM)
@@ -91,6 +99,13 @@ def star_electrons(
 
 def stars_in_view(world: World, time_s: float, depth_m: Radiance) -> tuple[Floats, Floats, Floats]:
     """Return the stars that the camera sees at an instant.
+
+    Parameters
+    ----------
+    world : World
+    time_s : float, s
+    depth_m : (height, width) array, m
+        0 where there is nothing; a star behind something is left out.
 
     Returns
     -------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -204,6 +205,50 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
         )
 
 
+def check_lens(made: Callable[[], Camera], where: str) -> None:
+    """Refuse a camera that cannot be, such as one whose distortion folds the image over.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the file and the keys.
+    """
+    try:
+        made()
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
+
+
+def check_detector(detector: Detector, where: str) -> None:
+    """Refuse electronics that leave no picture: all bias, all noise, or fewer than ten levels.
+
+    Parameters
+    ----------
+    detector : Detector
+        As typed, or of a file.
+    where : str
+
+    Raises
+    ------
+    ScenarioError
+        The message names the keys.
+    """
+    levels_dn = detector.saturation_dn - detector.bias_dn
+    if levels_dn < LEAST_LEVELS_DN:
+        raise ScenarioError(
+            f"{where}: expected detector.bias_dn, full_well_e, gain_e_dn and bits to leave at "
+            f"least {LEAST_LEVELS_DN:g} DN between bias and saturation, got {levels_dn:.3g} with "
+            f"a bias of {detector.bias_dn:g} DN, a full well of {detector.full_well_e:g} e at "
+            f"{detector.gain_e_dn:g} e/DN, and {detector.max_dn} the largest number"
+        )
+    told_e = levels_dn * detector.gain_e_dn
+    if detector.read_noise_e > MOST_READ_NOISE * told_e:
+        raise ScenarioError(
+            f"{where}: expected detector.read_noise_e of at most a tenth of what a pixel can tell, "
+            f"{told_e:.3g} e between bias and saturation, got {detector.read_noise_e:g} e"
+        )
+
+
 def check_schedule(table: ExposureTable, gap: str, gap_ms: float, where: str) -> None:
     """Refuse typed exposure times that are out of order, cannot be, or have no effect.
 
@@ -239,49 +284,3 @@ def check_schedule(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
                 f"{SHORTEST_MS:g} ms and below {gap}, {min(gap_ms, LONGEST_MS):g} ms, when the "
                 f"next exposure begins, got {exposure_ms:g} ms at {time_s:g} s"
             )
-
-
-def check_lens(camera: Camera, where: str) -> None:
-    """Refuse a distortion that folds the image over within itself.
-
-    Raises
-    ------
-    ScenarioError
-        The message names the keys.
-    """
-    if not camera.can_be_undone():
-        raise ScenarioError(
-            f"{where}: expected camera.k1, k2, p1, p2 and k3 that can be undone over the whole "
-            f"image, got {', '.join(f'{x:g}' for x in camera.distortion)}; they fold it over: "
-            "give smaller ones, and check their order"
-        )
-
-
-def check_detector(detector: Detector, where: str) -> None:
-    """Refuse electronics that leave no picture: all bias, all noise, or fewer than ten levels.
-
-    Parameters
-    ----------
-    detector : Detector
-        As typed, or of a file.
-    where : str
-
-    Raises
-    ------
-    ScenarioError
-        The message names the keys.
-    """
-    levels_dn = detector.saturation_dn - detector.bias_dn
-    if levels_dn < LEAST_LEVELS_DN:
-        raise ScenarioError(
-            f"{where}: expected detector.bias_dn, full_well_e, gain_e_dn and bits to leave at "
-            f"least {LEAST_LEVELS_DN:g} DN between bias and saturation, got {levels_dn:.3g} with "
-            f"a bias of {detector.bias_dn:g} DN, a full well of {detector.full_well_e:g} e at "
-            f"{detector.gain_e_dn:g} e/DN, and {detector.max_dn} the largest number"
-        )
-    told_e = levels_dn * detector.gain_e_dn
-    if detector.read_noise_e > MOST_READ_NOISE * told_e:
-        raise ScenarioError(
-            f"{where}: expected detector.read_noise_e of at most a tenth of what a pixel can tell, "
-            f"{told_e:.3g} e between bias and saturation, got {detector.read_noise_e:g} e"
-        )

@@ -24,6 +24,7 @@ from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
+from renders.scenario.asked_tables import AskedTable, LimitsTable
 from renders.scenario.camera_choice import camera_of, check_camera, pixel_scale
 from renders.scenario.camera_tables import (
     CameraTable,
@@ -57,6 +58,7 @@ from renders.scenario.motion_choice import (
     times_of,
 )
 from renders.scenario.motion_tables import FrameTable, MotionKind, MotionTable
+from renders.scenario.picture_checks import check_picture
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.sun_choice import check_suns
 from renders.scenario.table import Name, Prose, Table
@@ -76,6 +78,7 @@ OPTIONS = {
 """Which option stands for which key."""
 MOST_THREADS = 512
 MOST_SCENARIO_BYTES = 32 * MEGABYTE  # a table of poses among it
+SHAPING_NOTHING = {"description", "limits", "asked"}  # prose, and what is asked
 
 
 class RenderTable(Table):
@@ -112,6 +115,8 @@ class Scenario(Table):
     prior: PriorTable = PriorTable()  # type: ignore[call-arg]
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
+    limits: LimitsTable = LimitsTable()  # type: ignore[call-arg]
+    asked: AskedTable = AskedTable()  # type: ignore[call-arg]
     frame: FrameTable | None = Field(None, description="what a frame is")
     markers: MarkersTable | None = Field(
         None, description="your own, in a file or here, instead of the target's"
@@ -178,8 +183,8 @@ class Scenario(Table):
         return tomli_w.dumps(json.loads(self.model_dump_json(exclude_none=True)))
 
     def fingerprint(self) -> str:
-        """Return a hash of everything in it but its prose."""
-        table = self.model_dump(mode="json", exclude={"description"}, exclude_none=True)
+        """Return a hash of everything in it that shapes a dataset."""
+        table = self.model_dump(mode="json", exclude=SHAPING_NOTHING, exclude_none=True)
         return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
@@ -294,8 +299,9 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_earth(scenario.earth, where)
     check_stars(scenario.stars, where)
     check_camera(scenario.camera, where)
-    check_lens(scenario.simulated_camera, where)
+    check_lens(lambda: scenario.simulated_camera, where)
     check_detector(scenario.simulated_detector, where)
+    check_picture(scenario, where)
     if scenario.markers is not None:
         markers_from(scenario.markers, where)
     check_told(scenario, where)

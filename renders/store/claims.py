@@ -18,8 +18,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from models.atomic_file import write_text
+from models.errors import UnreadableError
+from models.reading.json_file import read_json_table
+from models.reading.regular_file import MEGABYTE
 
 FOLDER = "claims"
+MOST_CLAIM_BYTES = 2000 * MEGABYTE  # 64 digits a key, a million exposures, some keys each
 AN_HOUR_S = 3600.0  # where a disk knows no locks, a claim is believed for so long
 
 
@@ -88,7 +92,7 @@ def held(store: Path, claim: Claim) -> Iterator[Path]:
 def read_claim(path: Path) -> Claim | None:
     """Read a claim, or None if it is gone or not one."""
     try:
-        table = json.loads(path.read_text())
+        table = read_json_table(path, MOST_CLAIM_BYTES)
         return Claim(
             case=str(table["case"]),
             sun=str(table["sun"]),
@@ -96,7 +100,7 @@ def read_claim(path: Path) -> Claim | None:
             needed=frozenset(table["needed"]),
             wanted=frozenset(table["wanted"]),
         )
-    except (OSError, ValueError, KeyError, TypeError):
+    except (UnreadableError, ValueError, KeyError, TypeError):
         return None
 
 

@@ -66,7 +66,15 @@ class LightKeys:
         }
 
     def group(self, exposure: Exposure, cam_from_target: RigidTransform, group: LightGroup) -> str:
-        """Return the key of one light group in one exposure."""
+        """Return the key of one light group in one exposure.
+
+        Parameters
+        ----------
+        exposure : Exposure
+        cam_from_target : RigidTransform
+            The true pose at that exposure.
+        group : LightGroup
+        """
         kind = {"kind": type(group).__name__, "group": asdict(group)}
         return entry_key({**self._placed(exposure, cam_from_target), **kind})
 

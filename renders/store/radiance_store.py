@@ -47,7 +47,17 @@ def entry_key(shaping: Mapping[str, Any]) -> str:
 
 
 def as_half(radiance: AnyArray) -> AnyArray:
-    """Return radiance in the half floats in which all light is kept; of halves, themselves."""
+    """Return radiance in the half floats in which all light is kept; of halves, themselves.
+
+    Parameters
+    ----------
+    radiance : (...,) array, W m-2 sr-1
+
+    Returns
+    -------
+    (...,) float16 array, W m-2 sr-1
+        What is beyond the largest half is set to it.
+    """
     if radiance.dtype == np.float16:
         return radiance
     return np.minimum(radiance, HALF_MAX).astype(np.float16)
@@ -129,18 +139,34 @@ class RadianceStore:
         return np.asarray(channels["Y"], dtype=np.float32)
 
     def read_channels(self, key: str) -> dict[str, AnyArray] | None:
-        """Return an entry's channels as they are, or None if it is absent or damaged."""
+        """Return an entry's channels as they are, or None if it is absent or damaged.
+
+        Returns
+        -------
+        dict of str to (height, width) arrays, or None
+        """
         channels = read_exr(self.path(key), {KEY: key})
         if channels is not None:
             mark_used(self.path(key))
         return channels
 
     def write(self, key: str, radiance: Radiance) -> None:
-        """Write an entry, rounded to half floats; see ``write_all``."""
+        """Write an entry, rounded to half floats; see ``write_all``.
+
+        Parameters
+        ----------
+        key : str
+        radiance : (height, width) array, W m-2 sr-1
+        """
         self.write_all({key: radiance})
 
     def write_all(self, images: Mapping[str, Radiance]) -> None:
         """Write entries by key, rounded to half floats, and keep the store within its budget.
+
+        Parameters
+        ----------
+        images : mapping of str to (height, width) arrays, W m-2 sr-1
+            By key.
 
         Raises
         ------

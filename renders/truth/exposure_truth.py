@@ -15,7 +15,6 @@ contract), and never need it (a test).
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,10 +23,18 @@ from typing import Any, TypeVar
 import numpy as np
 
 from models.arrays import Floats
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, UnreadableError, cause
 from models.pose import RigidTransform
+from models.reading.bounds import FRAME, LENGTH_M, TIME_S, UNIT
+from models.reading.fields import Fields
+from models.reading.json_file import read_json, read_json_lines
+from models.reading.regular_file import MEGABYTE
 
 T = TypeVar("T")
+UNIT_TOLERANCE = 1e-6  # of a direction's length
+FAR_PX = 1e15  # a point almost beside the lens is projected this far out
+MOST_TRUTH_BYTES = 4000 * MEGABYTE
+MOST_PARTS = 254  # labels have eight bits
 MEND = "render again: only what is missing is rendered, and this file is written anew"
 
 
@@ -90,67 +97,107 @@ class ExposureTruth:
         }
 
     @classmethod
-    def from_json(cls, record: dict[str, Any]) -> ExposureTruth:
-        """Read it back."""
+    def from_fields(cls, record: Fields) -> ExposureTruth:
+        """Read it back.
 
-        def floats(key: str) -> Floats:
-            return np.array(record[key], dtype=np.float64)
-
+        Raises
+        ------
+        DatasetError
+            If a value is missing or cannot be.
+        """
+        shares = {name: record.vector(name, None, *UNIT) for name in SHARES}
+        points = {
+            name: record.numbers(name, (None, 2), -FAR_PX, FAR_PX, holes=True) for name in POINTS
+        }
+        if len({len(array) for array in (*shares.values(), *points.values())}) > 1:
+            counts = ", ".join(f"{name} {len(array)}" for name, array in (points | shares).items())
+            raise record.refusal("markers_px", "and all shares as one for each marker", counts)
         return cls(
-            frame=int(record["frame"]),
-            band=int(record["band"]),
-            time_s=float(record["time_s"]),
-            cam_from_target=RigidTransform(
-                floats("R_cam_from_target"), floats("t_cam_from_target_m")
-            ),
-            sun_dir_in_target=floats("sun_dir_in_target"),
-            markers_px=floats("markers_px"),
-            marker_outlines_px=floats("marker_outlines_px"),
-            visible=floats("visible"),
-            lamp_lit=floats("lamp_lit"),
-            sun_lit=floats("sun_lit"),
+            frame=record.whole("frame", *FRAME),
+            band=record.whole("band", 0, 100_000),
+            time_s=record.number("time_s", *TIME_S),
+            cam_from_target=record.pose("R_cam_from_target", "t_cam_from_target_m", *LENGTH_M),
+            sun_dir_in_target=direction(record, "sun_dir_in_target"),
+            **points,
+            **shares,
         )
+
+
+POINTS = ("markers_px", "marker_outlines_px")
+SHARES = ("visible", "lamp_lit", "sun_lit")
+
+
+def direction(record: Fields, key: str) -> Floats:
+    """Return a unit vector.
+
+    Raises
+    ------
+    DatasetError
+        If it has another length.
+    """
+    vector = record.vector(key, 3, -1.0 - UNIT_TOLERANCE, 1.0 + UNIT_TOLERANCE)
+    length = float(np.linalg.norm(vector))
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise record.refusal(key, "as a unit vector", f"one of length {length:g}")
+    return vector
 
 
 def read_exposures(folder: Path) -> dict[tuple[int, int], ExposureTruth]:
     """Read the truth of a dataset, by (frame, band); see ``read_records``."""
-    records = read_records(folder, ExposureTruth.from_json)
+    records = read_records(folder, ExposureTruth.from_fields)
     return {(truth.frame, truth.band): truth for truth in records}
 
 
-def read_records(folder: Path, from_json: Callable[[dict[str, Any]], T]) -> list[T]:
+def read_records(folder: Path, from_fields: Callable[[Fields], T]) -> list[T]:
     """Read the sealed records of a dataset, one a line.
 
     Raises
     ------
     DatasetError
-        If the truth half is missing or a line of it cannot be read.
+        If the truth half is missing, a line of it cannot be read, or a frame and band come twice.
     """
     path = folder / "truth" / "exposures.jsonl"
-    if not path.is_file():
+    if not path.exists():
         raise DatasetError(
             f"expected the truth half of a dataset at {path}, found none; "
             "only datasets rendered here can be scored"
         )
+    records: list[T] = []
+    lines: dict[tuple[object, object], int] = {}
     try:
-        lines = path.read_text().splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise DatasetError(f"expected text at {path}, got: {cause(error)}; {MEND}") from error
-    records = []
-    for number, line in enumerate(lines, start=1):
+        tables = read_json_lines(path, MOST_TRUTH_BYTES)
+    except UnreadableError as error:
+        expected = f"expected text at {path}"
+        if error.line is not None:
+            expected = f"{path}:{error.line}: expected one exposure"
+        raise DatasetError(f"{expected}, got: {error.reason}; {MEND}") from error
+    for number, table in tables:
+        record = Fields(table, f"{path}:{number}")
         try:
-            records.append(from_json(json.loads(line)))
-        except (KeyError, TypeError, ValueError) as error:
+            records.append(from_fields(record))
+        except DatasetError as error:
+            said = str(error).removeprefix(f"{record.where}: expected ")
+            raise DatasetError(f"{record.where}: expected one exposure: {said}; {MEND}") from error
+        named = (table.get("frame"), table.get("band"))
+        if named in lines:
             raise DatasetError(
-                f"{path}:{number}: expected one exposure, got: {cause(error)}; {MEND}"
-            ) from error
+                f"{path}:{number}: expected each frame and band once, got those of line "
+                f"{lines[named]} again; {MEND}"
+            )
+        lines[named] = number
     return records
 
 
 def read_part_names(folder: Path) -> tuple[str, ...]:
-    """Return the names of the part labels; label k + 1 is name k."""
+    """Return the names of the part labels; label k + 1 is name k.
+
+    Raises
+    ------
+    DatasetError
+        If the file cannot be read.
+    """
     path = folder / "truth" / "parts.json"
     try:
-        return tuple(json.loads(path.read_text()))
-    except (OSError, ValueError) as error:
-        raise DatasetError(f"expected part names at {path}, got: {cause(error)}") from error
+        return Fields({"parts": read_json(path)}, path).texts("parts", MOST_PARTS)
+    except UnreadableError as error:
+        raise DatasetError(f"expected part names at {path}, got: {cause(error)}; {MEND}") from error

@@ -22,16 +22,20 @@ import numpy as np
 from models.arrays import Floats, Mask
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
-from renders.truth.exposure_truth import read_records
+from models.reading.bounds import FRAME, LENGTH_M, RATE_RAD_S, SPEED_M_S, TIME_S
+from models.reading.fields import Fields
+from renders.truth.exposure_truth import FAR_PX, direction, read_records
 from renders.world.exposure import FILTERED
 
+ORBIT_M = (-1e10, 1e10)
+ORBIT_M_S = (-1e5, 1e5)
 STATE_KEYS = {
     "rho_in_lvlh": "rho_in_lvlh_m",
     "rho_dot_in_lvlh": "rho_dot_in_lvlh_m_s",
     "R_lvlh_from_target": "R_lvlh_from_target",
     "omega_target_wrt_lvlh_in_target": "omega_target_wrt_lvlh_in_target_rad_s",
 }
-"""Fields of a relative state, and what they are called in the record."""
+"""Name in a file, by name in ``RelativeState``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +82,10 @@ class ImageTruth:
             "time_s": self.time_s,
             "R_cam_from_target": self.cam_from_target.rotation.tolist(),
             "t_cam_from_target_m": self.cam_from_target.translation.tolist(),
-            "state": _state_to_json(self.state),
+            "state": {
+                "time_s": self.state.time_s,
+                **{key: getattr(self.state, name).tolist() for name, key in STATE_KEYS.items()},
+            },
             "chaser_position_in_inertial_m": self.chaser.position_in_inertial.tolist(),
             "chaser_velocity_in_inertial_m_s": self.chaser.velocity_in_inertial.tolist(),
             "sun_dir_in_target": self.sun_dir_in_target.tolist(),
@@ -88,46 +95,48 @@ class ImageTruth:
         }
 
     @classmethod
-    def from_json(cls, record: dict[str, Any]) -> ImageTruth:
-        """Read it back."""
+    def from_fields(cls, record: Fields) -> ImageTruth:
+        """Read it back.
 
-        def floats(key: str) -> Floats:
-            return np.array(record[key], dtype=np.float64)
-
-        time_s = float(record["time_s"])
+        Raises
+        ------
+        DatasetError
+            If a value is missing or cannot be.
+        """
+        time_s = record.number("time_s", *TIME_S)
+        landmarks_px = record.numbers("landmarks_px", (None, 2), -FAR_PX, FAR_PX, holes=True)
+        visible = record.flags("landmarks_visible")
+        if len(visible) != len(landmarks_px):
+            raise record.refusal(
+                "landmarks_visible", f"for each of {len(landmarks_px)} landmarks", len(visible)
+            )
         return cls(
-            frame=int(record["frame"]),
+            frame=record.whole("frame", *FRAME),
             time_s=time_s,
-            cam_from_target=RigidTransform(
-                floats("R_cam_from_target"), floats("t_cam_from_target_m")
-            ),
-            state=_state_from_json(record["state"]),
+            cam_from_target=record.pose("R_cam_from_target", "t_cam_from_target_m", *LENGTH_M),
+            state=_state(record.table("state")),
             chaser=ChaserState(
                 time_s,
-                floats("chaser_position_in_inertial_m"),
-                floats("chaser_velocity_in_inertial_m_s"),
+                record.vector("chaser_position_in_inertial_m", 3, *ORBIT_M),
+                record.vector("chaser_velocity_in_inertial_m_s", 3, *ORBIT_M_S),
             ),
-            sun_dir_in_target=floats("sun_dir_in_target"),
-            earth_dir_in_target=floats("earth_dir_in_target"),
-            landmarks_px=floats("landmarks_px").reshape(-1, 2),
-            landmarks_visible=np.array(record["landmarks_visible"], dtype=np.bool_),
+            sun_dir_in_target=direction(record, "sun_dir_in_target"),
+            earth_dir_in_target=direction(record, "earth_dir_in_target"),
+            landmarks_px=landmarks_px,
+            landmarks_visible=np.array(visible, dtype=np.bool_),
         )
 
 
-def _state_to_json(state: RelativeState) -> dict[str, Any]:
-    arrays = {key: getattr(state, name).tolist() for name, key in STATE_KEYS.items()}
-    return {"time_s": state.time_s, **arrays}
-
-
-def _state_from_json(record: dict[str, Any]) -> RelativeState:
-    shapes = {name: (3, 3) if name.startswith("R_") else (3,) for name in STATE_KEYS}
-    arrays = {
-        name: np.array(record[key], dtype=np.float64).reshape(shapes[name])
-        for name, key in STATE_KEYS.items()
-    }
-    return RelativeState(float(record["time_s"]), **arrays)
+def _state(record: Fields) -> RelativeState:
+    return RelativeState(
+        record.number("time_s", *TIME_S),
+        record.vector("rho_in_lvlh_m", 3, *LENGTH_M),
+        record.vector("rho_dot_in_lvlh_m_s", 3, *SPEED_M_S),
+        record.rotation("R_lvlh_from_target"),
+        record.vector("omega_target_wrt_lvlh_in_target_rad_s", 3, *RATE_RAD_S),
+    )
 
 
 def read_image_truths(folder: Path) -> dict[int, ImageTruth]:
     """Read the truth of a dataset of single images, by frame; see ``read_records``."""
-    return {truth.frame: truth for truth in read_records(folder, ImageTruth.from_json)}
+    return {truth.frame: truth for truth in read_records(folder, ImageTruth.from_fields)}

@@ -14,7 +14,9 @@ import numpy as np
 
 from models.arrays import Floats, Mask
 from models.pose import RigidTransform
-from renders.truth.exposure_truth import read_records
+from models.reading.bounds import FRAME, LENGTH_M, TIME_S
+from models.reading.fields import Fields
+from renders.truth.exposure_truth import FAR_PX, direction, read_records
 from renders.world.exposure import FILTERED
 
 
@@ -63,24 +65,30 @@ class PosedTruth:
         }
 
     @classmethod
-    def from_json(cls, record: dict[str, Any]) -> PosedTruth:
-        """Read it back."""
+    def from_fields(cls, record: Fields) -> PosedTruth:
+        """Read it back.
 
-        def floats(key: str) -> Floats:
-            return np.array(record[key], dtype=np.float64)
-
+        Raises
+        ------
+        DatasetError
+            If a value is missing or cannot be.
+        """
+        landmarks_px = record.numbers("landmarks_px", (None, 2), -FAR_PX, FAR_PX, holes=True)
+        visible = record.flags("landmarks_visible")
+        if len(visible) != len(landmarks_px):
+            raise record.refusal(
+                "landmarks_visible", f"for each of {len(landmarks_px)} landmarks", len(visible)
+            )
         return cls(
-            frame=int(record["frame"]),
-            time_s=float(record["time_s"]),
-            cam_from_target=RigidTransform(
-                floats("R_cam_from_target"), floats("t_cam_from_target_m")
-            ),
-            sun_dir_in_target=floats("sun_dir_in_target"),
-            landmarks_px=floats("landmarks_px").reshape(-1, 2),
-            landmarks_visible=np.array(record["landmarks_visible"], dtype=np.bool_),
+            frame=record.whole("frame", *FRAME),
+            time_s=record.number("time_s", *TIME_S),
+            cam_from_target=record.pose("R_cam_from_target", "t_cam_from_target_m", *LENGTH_M),
+            sun_dir_in_target=direction(record, "sun_dir_in_target"),
+            landmarks_px=landmarks_px.reshape(-1, 2),
+            landmarks_visible=np.array(visible, dtype=np.bool_),
         )
 
 
 def read_posed_truths(folder: Path) -> dict[int, PosedTruth]:
     """Read the truth of a dataset of posed images, by frame; see ``read_records``."""
-    return {truth.frame: truth for truth in read_records(folder, PosedTruth.from_json)}
+    return {truth.frame: truth for truth in read_records(folder, PosedTruth.from_fields)}

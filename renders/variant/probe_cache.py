@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from models.atomic_file import write_text
-from models.errors import StorageError
+from models.errors import StorageError, UnreadableError
+from models.reading.json_file import read_json_table
 
 A_DAY_S = 86_400.0
 VARIABLES = (
@@ -63,16 +64,25 @@ def libllvm_files() -> list[str]:
 def read(variant: str, machine: str) -> dict[str, Any] | None:
     """Return the record of a probe made within the last day on this machine, or None."""
     try:
-        record = json.loads(_record_path(variant, machine).read_text())
+        record = read_json_table(_record_path(variant, machine))
         age_s = time.time() - float(record["probed_at"])
         result = record["result"]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (UnreadableError, ValueError, KeyError, TypeError):
         return None
     return result if 0.0 <= age_s < A_DAY_S and isinstance(result, dict) else None
 
 
 def write(variant: str, machine: str, result: dict[str, Any]) -> None:
-    """Keep the result of a probe; a folder that cannot be written keeps none."""
+    """Keep the result of a probe; a folder that cannot be written keeps none.
+
+    Parameters
+    ----------
+    variant : str
+    machine : str
+        Its fingerprint, part of the record's name.
+    result : dict
+        What the probe said; plain enough for JSON.
+    """
     record = {"probed_at": time.time(), "result": result}
     try:
         write_text(_record_path(variant, machine), json.dumps(record, indent=1) + "\n")

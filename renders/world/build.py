@@ -29,8 +29,10 @@ from renders.world.cameras import pair_camera, single_camera
 from renders.world.checks import (
     Sunlit,
     centre_in_image,
+    exposed_before_the_next,
     free_about_its_centre,
     outside_the_target,
+    shown_in_some_image,
 )
 from renders.world.exposure_plan import (
     ExposurePlan,
@@ -78,7 +80,7 @@ def _pairs(scenario: Scenario) -> World:
             told=scenario.told,
         ),
         truth=of_markers,
-        checks=(outside_the_target,),
+        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next),
     )
 
 

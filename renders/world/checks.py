@@ -11,6 +11,7 @@ import numpy as np
 from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM
 from models.spacecraft.inside import is_inside
+from renders.tracing.silhouette import in_sight, pieces_of
 from renders.world.moving_sun import inertial_sun
 from renders.world.trajectory import FreeMotion
 
@@ -72,6 +73,50 @@ def centre_in_image(world: World) -> None:
                 f"({where}) m in the camera's axes: change tumble.rho0_m or rho_dot0_m_s, or end "
                 "the motion earlier (motion.end_s, or --span-s)"
             )
+
+
+def shown_in_some_image(world: World) -> None:
+    """Refuse a motion that shows the target in no image.
+
+    A frame without it is one of black sky and noise, as a camera would take it.
+
+    Raises
+    ------
+    ScenarioError
+    """
+    for exposure in world.exposures:
+        cam_from_target = world.trajectory.cam_from_target(exposure.time_s)
+        pieces = pieces_of(world.target, None, cam_from_target)
+        if in_sight(pieces, world.camera, cam_from_target):
+            return
+    motion = world.scenario.motion
+    raise ScenarioError(
+        f"expected a motion that shows {world.target.name} in some image, got one that has it out "
+        f"of view in all {len(world.exposures)}, from {motion.start_s:g} to {motion.end_s:g} s; "
+        "choose other times (motion.start_s and end_s, or --span-s)"
+    )
+
+
+def exposed_before_the_next(world: World) -> None:
+    """Refuse lamps so faint, or so far off, that planned exposures would last into the next.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the time.
+    """
+    if world.scenario.exposure.mode != "schedule":
+        return
+    entries = world.frame_entries(world.onboard(run=0).prior)
+    longest = max(entries, key=lambda entry: entry.exposure_ms)
+    gap_ms = world.scenario.motion.pair_gap_ms
+    if longest.exposure_ms >= gap_ms:
+        raise ScenarioError(
+            f"expected exposures below motion.pair_gap_ms, {gap_ms:g} ms, got one of "
+            f"{longest.exposure_ms:.3g} ms at {longest.time_s:g} s, in which the lamps fill a "
+            "marker to exposure.marker_fill; give more lamps.intensity_w_sr, or "
+            'exposure.mode = "fixed"'
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,9 @@ import pytest
 
 from models.arrays import AnyArray
 from models.errors import DatasetError
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.frame import Frame
 from models.markers import MarkerPattern
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 IMAGE = np.zeros((4, 6), np.uint16)
 POINTS = np.array([[0.0, 0.0, 0.0], [0.3, 0.4, 0.0], [0.0, 2.0, 0.0]])

@@ -85,7 +85,18 @@ def point_frame(
     time_s: float,
     key: tuple[int, int, int],
 ) -> Frame:
-    """Return what the pipeline gets of one moment: corners, and the chaser's orbit as navigated."""
+    """Return what the pipeline gets of one moment: corners, and the chaser's orbit as navigated.
+
+    Parameters
+    ----------
+    tumble : Tumble
+    target : Wireframe
+    camera : Camera
+    noise : PointNoise
+    time_s : float, s
+    key : (int, int, int)
+        (seed, run, frame).
+    """
     seed, run, frame = key
     return points_frame(
         index=frame,

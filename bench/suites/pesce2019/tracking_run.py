@@ -8,10 +8,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from bench.estimating.navigators import navigator
-from bench.scoring.navigation_errors import NavigationError, navigation_error
+from bench.scoring.tumble.navigation_errors import NavigationError, navigation_error
 from bench.suites.pesce2019.acquisition_trial import knowledge_of
 from bench.suites.pesce2019.cases import Case, tumble_of
+from bench.suites.pesce2019.navigators import navigator
 from bench.suites.pesce2019.start_errors import StartErrors, drawn_start
 from bench.suites.pesce2019.synthetic_points import PointNoise, point_frame
 from bench.suites.units import Outcome

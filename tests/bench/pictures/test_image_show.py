@@ -9,11 +9,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from bench.pictures.image_records import ImageRecords
+from models.dataset.navigation_estimates_file import write_navigation_estimates
+from models.uncooperative import NavigationEstimate
 
 from bench import api
 from bench.cli import main
 from bench.estimating.runs import estimates_path
-from bench.pictures.image_records import ImageRecords
 from bench.pictures.image_show import show_image
 from bench.pictures.wireframe_overlay import (
     CORNER_RED,
@@ -22,10 +24,8 @@ from bench.pictures.wireframe_overlay import (
     window_around,
     wireframe_overlay,
 )
-from models.dataset.navigation_estimates_file import write_navigation_estimates
 from models.errors import DatasetError
 from models.estimate import Detections, NoPose, PoseEstimate
-from models.uncooperative import NavigationEstimate
 from tests.support.synthetic_dataset import write_dataset
 from tests.support.synthetic_images import SyntheticImages, write_images
 

@@ -6,11 +6,11 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from bench.report.tables import MEANINGS
 
 from bench import api
 from bench.report.filmstrip import MOST_FRAMES, chosen
 from bench.report.numbers import number, numbers, share
-from bench.report.tables import MEANINGS
 from models.errors import DatasetError
 from tests.support.synthetic_dataset import (
     lost_estimate,

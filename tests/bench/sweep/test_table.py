@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.scoring.detections import visible_markers
+from bench.scoring.pairs.detections import visible_markers
 from bench.sweep.extremes import ranked
 from bench.sweep.table import (
     VERDICTS,

@@ -34,10 +34,10 @@ from models.dataset.dataset import (
     read_markers,
 )
 from models.errors import DatasetError, ScenarioError
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from models.pose import RigidTransform, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 EULER_ROUNDING = 1e-14  # the prior's attitude goes through three angles and back
 
@@ -263,7 +263,27 @@ def test_a_prior_that_cannot_be_is_refused(folder: Path, line: str, said: str) -
         read_knowledge(folder)
 
 
+@pytest.mark.parametrize("ahead_m", ["0", "-3.0", "1e9"])
+def test_a_prior_that_no_camera_could_see_is_refused(folder: Path, ahead_m: str) -> None:
+    path = folder / "prior.toml"
+    path.write_text(
+        f"t_cam_from_target_m = [0, 0, {ahead_m}]\neuler_321_deg = [180.0, 0.0, 0.0]\n"
+        "sigma_t_m = [0.1, 0.1, 0.1]\nsigma_euler_deg = [1.0, 1.0, 1.0]\n"
+    )
+    with pytest.raises(DatasetError, match=r"prior\.toml: .*t_cam_from_target_m above 0 .*got"):
+        read_knowledge(folder)
+
+
 # Frames
+
+
+def test_numpys_times_come_back_as_numbers(folder: Path) -> None:
+    entries = [
+        FrameEntry(np.int64(3), np.float64(0.1), np.float64(2.5)),
+        FrameEntry(np.int64(4), np.float32(0.5), np.float64(1.0) / 3.0),
+    ]
+    (folder / "frames.csv").write_text(frames_to_csv(entries))
+    assert read_frame_entries(folder) == entries
 
 
 HEADER = "index,time_s,exposure_ms\n"

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from models.dataset.dataset import FILTERED, image_path, read_format, read_info
 from models.dataset.image_dataset import (
     FORMAT,
     knowledge_to_toml,
@@ -19,6 +17,8 @@ from models.dataset.image_dataset import (
     read_navigation,
     read_uncooperative_knowledge,
 )
+
+from models.dataset.dataset import FILTERED, image_path, read_format, read_info
 from models.errors import DatasetError
 from tests.support.synthetic_images import SyntheticImages, write_images
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from models.dataset.navigation_estimates_file import (
     navigation_estimate_from_json,
     navigation_estimate_to_json,
@@ -19,11 +18,12 @@ from models.dataset.navigation_estimates_file import (
     state_to_json,
     write_navigation_estimates,
 )
+from models.uncooperative import NavigationEstimate
+
 from models.errors import DatasetError
 from models.estimate import Detections, NoPose, PoseEstimate
 from models.motion.relative_state import RelativeState
 from models.pose import RigidTransform
-from models.uncooperative import NavigationEstimate
 from tests.support.strategies import rigid_transforms, vectors
 
 NOTHING = Detections(np.empty((0, 2)), np.empty((0, 2)), (), ())
