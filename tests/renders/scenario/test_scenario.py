@@ -426,7 +426,7 @@ def with_another(place: tuple[str, ...]) -> Scenario:
     inner = table
     for key in place[:-1]:
         inner = inner[key]
-    inner[place[-1]] = IF_ANY.get(place[-1]) or otherwise(inner[place[-1]])
+    inner[place[-1]] = otherwise(inner[place[-1]]) if place[-1] not in ATTITUDES else HALF_A_TURN
     return Scenario.model_validate(table)
 
 
