@@ -15,14 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_text
@@ -32,6 +24,7 @@ from models.frame import MarkerPattern
 from models.pose import RigidTransform
 from renders.batches.dataset_writer import DatasetWriter, check_folder, recorded_entries
 from renders.batches.public_half import dataset_format, public_files
+from renders.batches.render_progress import render_progress
 from renders.batches.replay import (
     exposed_frames,
     light_record,
@@ -297,13 +290,13 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     claim = Claim(info.case, info.sun, request.out, needed, every - needed)
     to_come = frozenset[str]().union(*(shaping[e] for e in left))
     claimed = store.claimed(claim, to_come) if uses_store else nullcontext()
-    with _progress(console) as progress, claimed:
-        for exposure in progress.track(left, total=len(left), description="render"):
+    with render_progress(console) as track, claimed:
+        for exposure in track(left, "render"):
             store.room.take_in_hand(shaping[exposure])
             entry = _entry(control, writer, exposure.frame)
             _render_exposure(studio, writer, exposure, poses[exposure], entry.exposure_ms)
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
-            for exposure in progress.track(there, total=len(there), description="light"):
+            for exposure in track(there, "light"):
                 store.room.take_in_hand(shaping[exposure])
                 studio.light(exposure, poses[exposure])
     _entry(control, writer, info.frames - 1)
@@ -374,15 +367,3 @@ def _activate(variant: str, threads: int | None) -> None:
         import drjit
 
         drjit.set_thread_count(threads)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-    )
