@@ -16,6 +16,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
+
 from bench.scoring.detections import VisibleMarkers, judge
 from models.errors import DatasetError, cause
 from models.estimate import Estimate, PoseEstimate
@@ -23,7 +25,7 @@ from models.lights.sun_grid import NamedSun
 from models.pose import pose_error
 from renders.truth.exposure_truth import ExposureTruth
 
-TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 1
+TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 2
 HALF = 0.5
 
 Verdict: TypeAlias = Literal["all found", "some missed", "no pose"]
@@ -55,6 +57,9 @@ class Row:
     in_sun : int
         Markers that the Sun lights at least half.
     position_error_mm, attitude_error_deg : float or None, mm and deg
+    position_sigma_mm : float or None, mm
+        How far off the pipeline expects to be, 1-sigma in all three axes together: it follows from
+        the markers found and the noise measured, and not from one draw of it.
     error_x_mm, error_y_mm, error_z_mm : float or None, mm
         Along the camera's axes.
     saturated_800_percent, saturated_850_percent : float, %
@@ -80,6 +85,7 @@ class Row:
     in_sun: int
     position_error_mm: float | None
     attitude_error_deg: float | None
+    position_sigma_mm: float | None
     error_x_mm: float | None
     error_y_mm: float | None
     error_z_mm: float | None
@@ -89,11 +95,15 @@ class Row:
 
     @property
     def harshness(self) -> tuple[float, ...]:
-        """What orders rows from kind to harsh: no pose, markers missed, then the error."""
-        if self.position_error_mm is None:
-            return (1.0, float(self.expected - self.found), -float(self.used), 0.0)
+        """What orders rows from kind to harsh: no pose, markers missed, then the error expected.
+
+        The error itself is one draw of noise and prior, and comes last.
+        """
         missed = float(self.expected - self.found)
-        return (0.0, missed, 0.0, self.position_error_mm)
+        if self.position_error_mm is None:
+            return (1.0, missed, -float(self.used), 0.0)
+        expected_mm = np.inf if self.position_sigma_mm is None else self.position_sigma_mm
+        return (0.0, missed, expected_mm, self.position_error_mm)
 
 
 @dataclass(frozen=True)
@@ -154,6 +164,7 @@ def judged_row(
         if error is None
         else 1e3 * float((error.position_m @ error.position_m) ** 0.5),
         attitude_error_deg=None if error is None else float(error.attitude_deg),
+        position_sigma_mm=_sigma_mm(estimate),
         error_x_mm=along_mm[0],
         error_y_mm=along_mm[1],
         error_z_mm=along_mm[2],
@@ -161,6 +172,13 @@ def judged_row(
         saturated_850_percent=saturated_percent[850],
         reason=getattr(estimate, "reason", ""),
     )
+
+
+def _sigma_mm(estimate: Estimate) -> float | None:
+    if not isinstance(estimate, PoseEstimate):
+        return None
+    variance_m2 = float(np.trace(estimate.covariance[3:, 3:]))
+    return 1e3 * variance_m2**0.5 if 0.0 <= variance_m2 < np.inf else None
 
 
 def to_csv(rows: list[Row]) -> str:
