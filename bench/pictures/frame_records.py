@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.estimating.runs import estimates_path, spoken_variant
+from bench.report.numbers import number, numbers
 from models.arrays import Floats
 from models.dataset.dataset import read_frame, read_frame_entries, read_info, read_knowledge
 from models.dataset.estimates_file import read_estimates
@@ -64,12 +65,11 @@ class FrameRecord:
             return f"no pose: {self.estimate.reason}"
         if self.truth is None:
             used = sum(self.estimate.detections.used)
-            return f"pose from {used} markers, residual {self.estimate.residual_rms_px:.3f} px rms"
+            residual = number(self.estimate.residual_rms_px)
+            return f"pose from {used} markers, residual {residual} px rms"
         error = pose_error(self.estimate.cam_from_target, self.truth.cam_from_target)
-        x, y, z = 1e3 * error.position_m
-        return (
-            f"position error {x:+.2f}, {y:+.2f}, {z:+.2f} mm; attitude {error.attitude_deg:.4f} deg"
-        )
+        along_mm = ", ".join(numbers([1e3 * float(x) for x in error.position_m], signed=True))
+        return f"position error {along_mm} mm; attitude {number(float(error.attitude_deg))} deg"
 
 
 class FrameRecords:

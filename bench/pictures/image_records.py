@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from bench.estimating.runs import estimates_path, spoken_variant
 from bench.pictures.frame_records import PREFERRED
 from bench.pictures.wireframe_overlay import estimated_pose
+from bench.report.numbers import number, numbers
 from models.dataset.dataset import read_frame_entries
 from models.dataset.image_dataset import (
     read_image_frame,
@@ -69,12 +70,11 @@ class ImageRecord:
         if pose is None or self.truth is None:
             return said
         truth = self.truth.cam_from_target
-        x, y, z = 1e3 * (pose.translation - truth.translation)
+        error_mm = [1e3 * float(x) for x in pose.translation - truth.translation]
+        along_mm = ", ".join(numbers(error_mm, signed=True))
         # No 3-2-1 angles: a tumble passes through their singularity.
         turn_deg = np.rad2deg(Rotation.from_matrix(pose.rotation @ truth.rotation.T).magnitude())
-        return (
-            f"{said}: position error {x:+.0f}, {y:+.0f}, {z:+.0f} mm; attitude {turn_deg:.2f} deg"
-        )
+        return f"{said}: position error {along_mm} mm; attitude {number(float(turn_deg))} deg"
 
 
 class ImageRecords:

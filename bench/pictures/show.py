@@ -13,8 +13,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from bench.pictures.frame_records import PREFERRED, FrameRecord, FrameRecords
+from bench.pictures.our_picture import marked
 from bench.pictures.overlay import DETECTION_RED, REPROJECTION_GREEN, TRUTH_CYAN, overlay
 from bench.pictures.stretch import STRETCH, stretch
+from bench.report.numbers import number
 from models.arrays import Floats
 from models.atomic_file import write_bytes
 
@@ -146,7 +148,7 @@ def _window_title(record: FrameRecord, marker: int) -> str:
     if record.truth is None:
         return f"{name}{kept}"
     du, dv = detections.points_px[place] - record.truth.markers_px[marker]
-    return f"{name}  {du:+.3f}, {dv:+.3f} px{kept}"
+    return f"{name}  {number(du, signed=True)}, {number(dv, signed=True)} px{kept}"
 
 
 def _draw_marks(axes: Axes, record: FrameRecord) -> None:
@@ -213,7 +215,7 @@ def write_frame(folder: Path, index: int, out: Path, variant: str = PREFERRED) -
 
 
 def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
-    """Write an RGB picture as a PNG file.
+    """Write an RGB picture as a PNG file; see ``bench.pictures.our_picture``.
 
     Raises
     ------
@@ -223,4 +225,4 @@ def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:
         raise ValueError(f"expected OpenCV to encode a picture of {picture.shape}, it refused")
-    write_bytes(out, bytes(data.tobytes()))
+    write_bytes(out, marked(bytes(data.tobytes())))
