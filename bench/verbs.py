@@ -122,7 +122,8 @@ class Estimate:
         rvbench estimate out/demo
         rvbench estimate --frames pairs --camera camera.toml --target maxar1300
 
-    Image pairs are NAME_800.png and NAME_850.png, grey, 8 or 16 bits, taken in order of name.
+    Image pairs are NAME_800.png and NAME_850.png (or .tif, or .jpg), grey, 8 or 16 bits, taken in
+    order of name.
     """
 
     folder: Positional[OptionalFolder] = None
@@ -258,10 +259,13 @@ class Show:
 
     def run(self) -> int:
         """Draw and write the picture."""
+        from bench.pictures.our_picture import check_picture_place
         from bench.pictures.show import write_frame, write_picture
 
         name = f"{self.frame:06d}_{self.variant}.png"
         out = self.out or self.folder / "show" / name
+        if self.out is not None:
+            check_picture_place(self.out)
         if api.holds_images(self.folder):
             from bench.pictures.image_show import show_image
 
