@@ -83,7 +83,7 @@ def verdict(record: FrameRecord) -> str:
     if record.truth is None:
         told = f"pose from {sum(said.detected.used)} markers"
         residual = said.pose.residual_rms_px
-        return told if residual is None else f"{told}, residual {residual:.3f} px rms"
+        return told if residual is None else f"{told}, residual {number(residual)} px rms"
     error = pose_error(said.pose.cam_from_target, record.truth.cam_from_target)
     x, y, z = numbers((1e3 * error.position_m).tolist(), signed=True)
     return f"position error {x}, {y}, {z} mm; attitude {number(error.attitude_deg)} deg"

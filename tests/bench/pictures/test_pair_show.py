@@ -1,5 +1,6 @@
 """The picture of a frame, with whatever of estimate and truth there is."""
 
+import dataclasses
 import shutil
 
 import cv2
@@ -104,3 +105,15 @@ def test_the_picture_is_rgb(scored_dataset, tmp_path):
     assert cv2.cvtColor(picture, cv2.COLOR_RGB2HSV)[..., 1].max() > 100
     assert holds(picture, DETECTION_RED)
     assert not holds(picture, DETECTION_RED[::-1])
+
+
+def test_an_error_is_told_with_digits_that_say_something(scored_dataset):
+    """However small: never +0.00, never -0.00."""
+    record = FrameRecords(scored_dataset.folder).record(1)
+    truth = record.truth.cam_from_target
+    near = dataclasses.replace(
+        record.estimate, cam_from_target=truth.perturbed([0.0, 0.0, 0.0], [-2e-6, 0.0, 3.14159e-4])
+    )
+    told = dataclasses.replace(record, estimate=near).verdict
+    minus = "\N{MINUS SIGN}"
+    assert told.startswith(f"position error {minus}0.00200, 0, +0.314 mm; attitude ")
