@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
+from bench.scoring.judgement import NO_REASON
 from models.arrays import AnyArray, Floats, Image
 from models.camera import Camera
 from models.frame import IMAGE
@@ -87,9 +88,9 @@ def verdict(record: FrameRecord) -> str:
     """Say in one line what the pipeline did, and the pose error or why there is no pose."""
     if record.estimate is None:
         return "not estimated"
-    said = record.estimate.mode
+    said = record.estimate.mode or "estimated"
     if record.estimate.pose is None:
-        said += f" (no pose from this image: {record.estimate.reason})"
+        said += f" (no pose from this image: {record.estimate.reason or NO_REASON})"
     pose = record.estimated_pose
     if pose is None or record.truth is None:
         return said

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from bench.scoring.cramer_rao import pose_bound
 from scipy.spatial.transform import Rotation
 
+from bench.scoring.pairs.cramer_rao import pose_bound
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
 from models.motion.relative_state import RelativeState
