@@ -265,5 +265,5 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
 def _pose(rows: list[list[float]] | None) -> RigidTransform | None:
     if rows is None:
         return None
-    matrix = np.array(rows, dtype=np.float64)
+    matrix = np.array(rows, dtype=np.float64).reshape(3, 4)
     return RigidTransform(matrix[:, :3], matrix[:, 3])

@@ -187,7 +187,8 @@ def _what_is_broken(table: dict[str, Any]) -> str:
 
 def _are_times(told: Any) -> bool:
     return isinstance(told, dict) and all(
-        told.get(key, "") is None or type(told.get(key)) in (int, float) for key in ("median", "p95")
+        told.get(key, "") is None or type(told.get(key)) in (int, float)
+        for key in ("median", "p95")
     )
 
 

@@ -18,7 +18,9 @@ from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
+from models.onboard import OnboardKnowledge
 from models.pose import RigidTransform
+from pipelines.pipeline import RegisteredPipeline
 from pipelines.uncooperative.knowledge import PointFrame, Seen, UncooperativeKnowledge, seen
 
 VARIANTS = ("paper", "best")
@@ -109,3 +111,18 @@ class Uncooperative:
         assert covariance is not None
         said = PoseEstimate(pose, covariance, sigma)
         return Estimate(frame.index, frame.time_s, said, detections=found)
+
+
+def made(onboard: OnboardKnowledge, variant: str) -> Uncooperative:
+    """Make one from what is on board, for the registry."""
+    return Uncooperative(UncooperativeKnowledge.of(onboard), options_for(variant))
+
+
+PIPELINE = RegisteredPipeline(
+    name="stand_in",
+    make=made,
+    streams=("image", "chaser_orbit"),
+    variants=VARIANTS,
+    settings=lambda variant: repr(options_for(variant)),
+    label=lambda variant: variant,
+)
