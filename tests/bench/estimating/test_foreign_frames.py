@@ -16,11 +16,10 @@ from bench.estimating.foreign_frames import (
     read_grey,
     read_pairs,
 )
-from models.dataset.dataset import image_path
 from models.dataset.estimates_file import read_estimates
 from models.errors import DatasetError, ScenarioError
 from models.pose import pose_error
-from tests.support.synthetic_dataset import SyntheticDataset, write_dataset
+from tests.support.synthetic_dataset import SyntheticDataset, image_path, write_dataset
 
 THREE_MILLIMETRES = 3e-3  # eight bits leave 256 levels: about ten times the bound at 3 m
 RATE_HZ = 0.1  # of the synthetic dataset
@@ -57,8 +56,8 @@ def test_eight_bit_pairs_of_any_name(pairs):
     estimates = read_estimates(paths[1])
     assert [estimate.frame for estimate in estimates] == [0, 1, 2]
     for estimate, truth in zip(estimates, dataset.truths, strict=True):
-        assert estimate, estimate
-        error = pose_error(estimate.cam_from_target, truth.cam_from_target)
+        assert estimate.pose, estimate
+        error = pose_error(estimate.pose.cam_from_target, truth.cam_from_target)
         assert np.linalg.norm(error.position_m) < THREE_MILLIMETRES
 
 
