@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 
 from bench.estimating.contenders import contenders
+from bench.estimating.estimation import tell_of
 from bench.estimating.runner import estimate_run
 from models.arrays import Image
 from models.camera import Camera
@@ -92,7 +93,8 @@ def estimate_pairs(
         raise ScenarioError(f"expected a rate in Hz above zero, got {rate_hz}")
     pairs = find_pairs(folder, rate_hz)
     knowledge = foreign_knowledge(folder, pairs, camera, target, prior, detector)
-    chosen, _ = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
+    chosen, remarks = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
+    tell_of(remarks)
     return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, chosen, len(pairs), limit_s)
 
 
