@@ -18,6 +18,7 @@ import numpy as np
 
 from bench.estimating.contenders import contenders
 from bench.estimating.estimates_place import check_estimates_place
+from bench.estimating.estimation import tell_of
 from bench.estimating.foreign_images import (
     images_by_name,
     read_foreign_image,
@@ -106,7 +107,8 @@ def estimate_pairs(
             "centroids of markers; their sigmas know nothing of it. Write PNG or TIFF if you can",
             file=sys.stderr,
         )
-    chosen, _ = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
+    chosen, remarks = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
+    tell_of(remarks)
     return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, chosen, len(pairs), limit_s)
 
 
