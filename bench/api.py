@@ -38,7 +38,7 @@ class RenderOptions(TypedDict, total=False):
     variant: Literal["auto", "llvm", "cuda", "scalar"]
     store: Path | None
     store_budget_gb: float | None
-    keep_light: Literal["all", "markers", "none"]
+    keep_light: Literal["all", "some", "none"]
     keep_every: int | None
     threads: int | None
 

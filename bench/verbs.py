@@ -61,10 +61,10 @@ class Render:
     """where rendered light is kept, to be shared by the Suns of a case"""
     store_budget_gb: OptionalNumber = None
     """what that may take; the longest unused goes first (20, else $RVBENCH_STORE_BUDGET_GB)"""
-    keep_light: Literal["all", "markers", "none"] = "all"
-    """whole light groups of all frames; of some, and each frame's marker windows; or no light"""
+    keep_light: Literal["all", "some", "none"] = "all"
+    """whose light groups to keep: those of all frames, of some, or of none"""
     keep_every: OptionalCount = None
-    """with `--keep-light markers`, frames from one kept whole to the next (10)"""
+    """with `--keep-light some`, frames from one that keeps its light to the next (10)"""
     threads: OptionalCount = None
     """cores to use; all unless given"""
 

@@ -167,20 +167,9 @@ class DatasetWriter:
         """Return where one exposure's depth and normals lie."""
         return self.folder / "truth" / "geometry" / f"{exposure_name(frame, band)}.exr"
 
-    def windows_path(self, frame: int, band: int) -> Path:
-        """Return where one exposure's marker windows lie, if they are kept."""
-        return self.folder / "truth" / "marker_windows" / f"{exposure_name(frame, band)}.exr"
-
-    def has_exposure(self, frame: int, band: int, windows: bool = False) -> bool:
-        """Tell whether everything of an exposure is there; its image is written last.
-
-        Parameters
-        ----------
-        frame, band : int
-        windows : bool
-            Its marker windows, too.
-        """
-        return (not windows or self.windows_path(frame, band).is_file()) and (
+    def has_exposure(self, frame: int, band: int) -> bool:
+        """Tell whether everything of an exposure is there; its image is written last."""
+        return (
             is_whole_png(image_path(self.folder, frame, band))
             and is_whole_png(self.labels_path(frame, band))
             and _ends_with(self.truth_path(frame, band), RECORD_END)

@@ -215,7 +215,7 @@ class RenderRequest:
     store_budget_gb : float, optional
         What the store may take of the disk; see ``renders.store.budget``.
     keep_light : str
-        all, markers or none; see ``renders.store.kept_light``.
+        all, some or none; see ``renders.store.kept_light``.
     keep_every : int, optional
         With ``markers``, frames from one whole frame to the next.
     threads : int, optional
@@ -233,7 +233,7 @@ class RenderRequest:
     seeds: int = 1
     store: Path | None = None
     store_budget_gb: float | None = None
-    keep_light: Literal["all", "markers", "none"] = "all"
+    keep_light: Literal["all", "some", "none"] = "all"
     keep_every: int | None = None
     threads: int | None = None
 

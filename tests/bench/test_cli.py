@@ -81,13 +81,13 @@ def test_options_reach_the_rendering():
     typed = (
         "run maxar-demo --out o --sun -1,0,0 --rate-hz 0.1 --span-s 20 40 --width 1024 --spp 16 "
         "--variant scalar --seeds 3 --store s --threads 2 "
-        "--store-budget-gb 5 --keep-light markers --keep-every 20"
+        "--store-budget-gb 5 --keep-light some --keep-every 20"
     )
     verb = cli.parse(typed.split())
     assert verb.options() == {
         "sun": "-1,0,0", "rate_hz": 0.1, "start_s": 20.0, "end_s": 40.0, "width": 1024, "spp": 16,
         "variant": "scalar", "store": Path("s"), "threads": 2,
-        "store_budget_gb": 5.0, "keep_light": "markers", "keep_every": 20,
+        "store_budget_gb": 5.0, "keep_light": "some", "keep_every": 20,
     }  # fmt: skip
     assert (verb.case, verb.out, verb.seeds) == ("maxar-demo", Path("o"), 3)
 
