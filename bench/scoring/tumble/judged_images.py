@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.estimating.runs import Run
+from bench.estimating.runs import Run, estimates_path
 from bench.scoring.judgement import Judgement, is_wrong
 from bench.scoring.limits import Limits, read_limits
 from bench.scoring.metrics import POSE_DOF, frame_nees
@@ -141,13 +141,22 @@ def judge_run(run: Run, truth: TrueImages) -> list[JudgedImage]:
     frame is missed if its image gave no pose once there had been one that it stood by.
     """
     judged: list[JudgedImage] = []
-    keeps_state = any(relative_state(each) is not None for each in run.estimates.values())
+    tells_state = {i: _tells_state(each, run, truth) for i, each in run.estimates.items()}
+    keeps_state = any(tells_state.values())
     begun = False
     for index in truth.dataset.indices:
         said, was = run.estimates[index], truth.by_frame[index]
-        begun = begun or (relative_state(said) if keeps_state else said.pose) is not None
+        begun = begun or (tells_state[index] if keeps_state else said.pose is not None)
         judged.append(judged_image(run.number, said, was, truth, begun, keeps_state))
     return judged
+
+
+def _tells_state(said: Estimate, run: Run, truth: TrueImages) -> bool:
+    try:
+        return relative_state(said) is not None
+    except DatasetError as error:
+        path = estimates_path(truth.dataset.folder, run.number, run.label)
+        raise DatasetError(f"{path}: {error}") from error
 
 
 def judged_image(
@@ -188,9 +197,8 @@ def judged_image(
         pose = said.pose.cam_from_target
         position_m, attitude_deg = error.raw_position_m, error.raw_attitude_deg
         squares = ((frame_nees(said.pose, was.cam_from_target), POSE_DOF),)
-    if pose is not None and attitude_deg is not None:
-        if attitude_deg > truth.limits.wrong_attitude_deg:
-            confusion = confusion_of(pose, was.cam_from_target, knowledge.target)
+    if pose is not None and (attitude_deg or 0.0) > truth.limits.wrong_attitude_deg:
+        confusion = confusion_of(pose, was.cam_from_target, knowledge.target)
     return JudgedImage(
         run=run,
         estimate=said,
