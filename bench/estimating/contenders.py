@@ -6,7 +6,6 @@ import difflib
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import inf
 
 from models.errors import ScenarioError
 from pipelines.pipeline import RegisteredPipeline
@@ -85,22 +84,6 @@ def contenders(
     ]
     found = [each for place, each in enumerate(found) if each.label not in twice[:place]]
     return (_chosen(found, asked) if asked else found), remarks
-
-
-def checked_limit(limit_s: float | None) -> float | None:
-    """Return the most seconds that a frame may take, if it can be.
-
-    Raises
-    ------
-    ScenarioError
-        If it is not above zero.
-    """
-    if limit_s is not None and not 0.0 < limit_s < inf:
-        raise ScenarioError(
-            f"expected --time-limit-s above zero, got {limit_s:g}; leave it out for no limit of "
-            "our own pipelines"
-        )
-    return limit_s
 
 
 def _chosen(found: Sequence[Contender], asked: Sequence[str]) -> list[Contender]:

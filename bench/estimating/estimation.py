@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from bench.chains.catalogue import chain_named
-from bench.estimating.contenders import Contender, checked_limit, contenders
+from bench.estimating.contenders import Contender, contenders
 from bench.estimating.runner import estimate_run
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import ScenarioError
@@ -69,7 +69,7 @@ def estimate_dataset(
     ScenarioError
         If a pipeline asked for is not there.
     """
-    limit_s, dataset = checked_limit(limit_s), open_dataset(folder)
+    dataset = open_dataset(folder)
     chosen = taking_part(dataset, asked)
     files = estimate_run(
         folder, 0, dataset.frames(), dataset.onboard, chosen, len(dataset.entries), limit_s

@@ -15,7 +15,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from bench.estimating.contenders import checked_limit, contenders
+from bench.estimating.contenders import contenders
 from bench.estimating.runner import estimate_run
 from models.arrays import Image
 from models.camera import Camera
@@ -90,7 +90,6 @@ def estimate_pairs(
     """
     if not 0.0 < rate_hz < np.inf:
         raise ScenarioError(f"expected a rate in Hz above zero, got {rate_hz}")
-    limit_s = checked_limit(limit_s)
     pairs = find_pairs(folder, rate_hz)
     knowledge = foreign_knowledge(folder, pairs, camera, target, prior, detector)
     chosen, _ = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)

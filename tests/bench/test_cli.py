@@ -315,8 +315,6 @@ BAD_INPUT: dict[str, tuple[Spoil, str]] = {
     "other markers than the true ones": (
         lambda d: (d / "truth/markers.toml").write_text(
             (d / "markers.toml").read_text().rsplit("[[marker]]", 1)[0]), "score DIR"),
-    "no limit to fail above": (nothing, "score DIR --fail-above-mm nan"),
-    "a limit below zero": (nothing, "score DIR --fail-above-mm -1"),
     "a binary truth": (
         lambda d: (d / "truth/exposures.jsonl").write_bytes(b"\xff\xfe"), "score DIR"),
     "half a truth": (lambda d: cut(d / "truth/exposures.jsonl"), "score DIR"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.estimating.runs import Run, estimates_path
+from bench.estimating.runs import Run
 from bench.scoring import metrics
 from bench.scoring.judgement import Judgement, is_wrong
 from bench.scoring.limits import Limits, read_limits
@@ -161,9 +161,8 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
         highest = max(said.detected.marker, default=-1)
         if highest >= len(dataset.pattern):
             raise DatasetError(
-                f"{estimates_path(dataset.folder, run.number, run.label)}: frame {said.frame}: "
-                f"expected markers below {len(dataset.pattern)}, as many as markers.toml has, got "
-                f"{highest}; run the estimate again"
+                f"frame {said.frame}: expected markers below {len(dataset.pattern)}, as many as "
+                f"markers.toml has, got {highest}; run the estimate again"
             )
         judged.append(_judged(run.number, said, frame, dataset.limits))
     return judged

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.estimating.runs import Run, estimates_path
+from bench.estimating.runs import Run
 from bench.scoring.judgement import Judgement, is_wrong
 from bench.scoring.limits import Limits, read_limits
 from bench.scoring.metrics import POSE_DOF, frame_nees
@@ -141,22 +141,13 @@ def judge_run(run: Run, truth: TrueImages) -> list[JudgedImage]:
     frame is missed if its image gave no pose once there had been one that it stood by.
     """
     judged: list[JudgedImage] = []
-    tells_state = {i: _tells_state(each, run, truth) for i, each in run.estimates.items()}
-    keeps_state = any(tells_state.values())
+    keeps_state = any(relative_state(each) is not None for each in run.estimates.values())
     begun = False
     for index in truth.dataset.indices:
         said, was = run.estimates[index], truth.by_frame[index]
-        begun = begun or (tells_state[index] if keeps_state else said.pose is not None)
+        begun = begun or (relative_state(said) if keeps_state else said.pose) is not None
         judged.append(judged_image(run.number, said, was, truth, begun, keeps_state))
     return judged
-
-
-def _tells_state(said: Estimate, run: Run, truth: TrueImages) -> bool:
-    try:
-        return relative_state(said) is not None
-    except DatasetError as error:
-        path = estimates_path(truth.dataset.folder, run.number, run.label)
-        raise DatasetError(f"{path}: {error}") from error
 
 
 def judged_image(
