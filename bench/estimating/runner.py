@@ -11,6 +11,7 @@ from pathlib import Path
 from bench.estimating.contenders import Contender
 from bench.estimating.guard import Guards
 from bench.estimating.runs import estimates_path, run_folder, runtimes_path
+from bench.estimating.time_limit import check_time_limit
 from bench.progress import frame_progress
 from models.atomic_file import sweep_scratch
 from models.dataset.estimates_file import write_estimates, write_runtimes
@@ -54,7 +55,10 @@ def estimate_run(
     ------
     DatasetError
         If a frame is missing or damaged, or somebody of the house lacks something on board.
+    ScenarioError
+        If the limit is not above zero.
     """
+    check_time_limit(limit_s)
     title = "estimate" if number == 0 else f"estimate, run {number}"
     with (
         Guards(taking_part, onboard, limit_s) as guarded,

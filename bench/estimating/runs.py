@@ -161,4 +161,8 @@ def read_run(dataset: Dataset, number: int, label: str) -> Run:
                 f"{path}: expected an estimate of frame {entry.index} at {entry.time_s} s, as "
                 f"frames.csv has it, got one at {said_s} s; the frames have changed since: {mend}"
             )
-    return Run(number, label, estimates, read_runtimes(runtimes_path(folder, number, label)))
+    try:
+        spent = read_runtimes(runtimes_path(folder, number, label))
+    except DatasetError as error:
+        raise DatasetError(f"{error}; delete it: no score but the runtime needs it") from error
+    return Run(number, label, estimates, spent)

@@ -19,6 +19,7 @@ from typing import Any
 from bench.chains.catalogue import chain_named
 from bench.chains.chain import Chain
 from bench.estimating.runs import (
+    Run,
     estimates_path,
     found_runs,
     found_variants,
@@ -128,7 +129,7 @@ def estimates_hash(folder: Path, label: str) -> str:
 def _score(dataset: Dataset, chain: Chain, truth: Any, label: str) -> dict[str, Any]:
     numbers = found_runs(dataset.folder, label)
     runs = [read_run(dataset, number, label) for number in numbers]
-    judged = [chain.judge(run, truth) for run in runs]
+    judged = [_judged(dataset, chain, truth, run) for run in runs]
     core = core_score(judged, list(runs[0].runtime_ms.values()))
     parts = {part.name: _plain(part.score(judged, truth, label)) for part in chain.parts}
     rows = zip(judged[0], chain.frame_rows(judged, truth), strict=True)
@@ -137,6 +138,14 @@ def _score(dataset: Dataset, chain: Chain, truth: Any, label: str) -> dict[str, 
         "parts": parts,
         "per_frame": [{**_row(judgement), **own} for judgement, own in rows],
     }
+
+
+def _judged(dataset: Dataset, chain: Chain, truth: Any, run: Run) -> Sequence[Judgement]:
+    try:
+        return chain.judge(run, truth)
+    except DatasetError as error:
+        path = estimates_path(dataset.folder, run.number, run.label)
+        raise DatasetError(f"{path}: {error}") from error
 
 
 def _row(judgement: Judgement) -> dict[str, Any]:

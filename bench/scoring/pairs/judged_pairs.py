@@ -176,9 +176,8 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
         highest = max(said.detected.marker, default=-1)
         if highest >= len(dataset.pattern):
             raise DatasetError(
-                f"run {run.number}, frame {said.frame}: expected markers below "
-                f"{len(dataset.pattern)}, as many as markers.toml has, got {highest}; "
-                "run the estimate again"
+                f"frame {said.frame}: expected markers below {len(dataset.pattern)}, as many as "
+                f"markers.toml has, got {highest}; run the estimate again"
             )
         judged.append(_judged(run.number, said, frame, dataset.limits))
     return judged
