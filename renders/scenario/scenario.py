@@ -89,15 +89,20 @@ class RenderTable(Table):
         4096, ge=1, le=65_536, description="per pixel in the marker windows"
     )
     max_depth: int = Field(4, ge=1, le=32, description="surface interactions of a path")
-    seed: int = Field(1, ge=0, le=2**63 - 1)
+    seed: int = Field(
+        1,
+        ge=0,
+        le=2**63 - 1,
+        description="of the Monte-Carlo noise, and of the chaser's navigation",
+    )
 
 
 class Scenario(Table):
     """Everything that shapes a dataset: of image pairs, or of single images if it tumbles."""
 
-    name: Name
-    description: Prose = ""
-    target: Name = "maxar1300"
+    name: Name = Field(description="of the case")
+    description: Prose = Field("", description="prose for its reader")
+    target: Name = Field("maxar1300", description="maxar1300, xmm or hispasat")
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
     detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
