@@ -14,8 +14,10 @@ from tyro.conf import Positional, arg
 from bench import api
 from models.errors import ScenarioError
 from models.plain_console import plain_console
+from models.reading.options import check_option
 
 DONE, WORSE = 0, 1
+MOST_LIMIT_MM = 1e9  # a gate that always passes is none
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -220,6 +222,7 @@ class Score:
 
     def run(self) -> int:
         """Score."""
+        check_option("--fail-above-mm", self.fail_above_mm, 0.0, MOST_LIMIT_MM)
         scored = api.score(self.folder)
         _print_summary(scored)
         print(f"score: {self.folder / 'score.json'}")

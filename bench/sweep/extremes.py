@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from bench.report.numbers import number
 from bench.sweep.run import SweepResult
-from bench.sweep.shots import encoded_png, picture
+from bench.sweep.shots import encoded_png, images_of, picture
 from bench.sweep.table import Row, Setting, setting_of
 from models.atomic_file import write_bytes
-from models.frame import IMAGE_850
 
 OF_EACH = 3
 
@@ -29,7 +28,7 @@ class Extreme:
         ``best_1`` to ``harshest_3``.
     row : Row
     picture : (height, width) uint8 array
-        Its 850 nm frame.
+        Its last image.
     """
 
     name: str
@@ -53,7 +52,7 @@ class Extreme:
 
 def told(row: Row) -> str:
     """Return what came of a row, in a line."""
-    markers = f"{row.found} of {row.expected} markers"
+    markers = f"{row.found} of {row.expected} markers or landmarks"
     if row.position_error_mm is None:
         return f"no pose: {row.reason}; {markers} found"
     return (
@@ -96,5 +95,6 @@ def write_extremes(out: Path, found: Sequence[Extreme]) -> list[Path]:
 
 
 def _picture(result: SweepResult, setting: Setting, row: Row) -> NDArray[np.uint8]:
-    detector = result.knowledge[setting.time_s].detector
-    return picture(result.pair(setting, row.sun_text).image(IMAGE_850).image, detector)
+    detector = result.onboard[setting.time_s].detector
+    images = images_of(result.frame(setting, row.sun_text))
+    return picture(list(images.values())[-1], detector)

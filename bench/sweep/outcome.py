@@ -84,7 +84,7 @@ def print_sweep(console: Console, result: SweepResult) -> None:
         table.add_column("pipeline", no_wrap=True)
         for head in (*VERDICTS, "median, mm", "worst, mm"):
             table.add_column(head, justify="right")
-        for pipeline in result.plan.pipelines:
+        for pipeline in (each.label for each in result.plan.pipelines):
             rows = rows_of(result, setting, pipeline)
             counts = [str(sum(row.verdict == verdict for row in rows)) for verdict in VERDICTS]
             table.add_row(pipeline, *counts, *_errors(rows))

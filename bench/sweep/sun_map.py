@@ -24,20 +24,22 @@ from numpy.typing import NDArray
 
 from bench.report.plain_text import take_literally
 from bench.report.plot import INK, STYLE
-from bench.sweep.table import VERDICTS, Row, Setting, Verdict
+from bench.sweep.table import VERDICTS, Row, Setting, Verdict, saturated
 from models.arrays import Floats
 from models.lights.sun import SUN_CASES_DEG
 
 FRAME_COLOURS: dict[Verdict, str] = {
     "all found": "#2f7fd1",
     "some missed": "#f0a817",
+    "wrong pose": "#8d4aa8",
     "no pose": "#d0342c",
 }
-"""Blue, amber, red: three lightnesses too, for those who do not see the colours."""
+"""Blue, amber, violet, red: lightnesses too, for those who do not see the colours."""
 
 MEANINGS: dict[Verdict, str] = {
     "all found": "every marker found",
     "some missed": "pose found, markers missed",
+    "wrong pose": "wrong pose",
     "no pose": "no pose",
 }
 GROUND, MESH = "#f4f6f8", "#cfd7de"
@@ -131,7 +133,7 @@ def sun_map(
     rows : sequence of Row
         One for each direction, of one pipeline.
     thumbnails : sequence of (n, n) uint8 arrays
-        Their 850 nm frames.
+        Their last images.
 
     Returns
     -------
@@ -178,7 +180,7 @@ def sun_map_figure(
         panels: list[tuple[str, list[float | None]]] = [
             ("position error, mm", [row.position_error_mm for row in rows]),
             ("attitude error, deg", [row.attitude_error_deg for row in rows]),
-            ("saturated pixels at 850 nm, %", [row.saturated_850_percent for row in rows]),
+            ("saturated pixels, %", [saturated(row) for row in rows]),
         ]
         for column, (name, values) in enumerate(panels):
             left_in = 0.5 + 7.9 * column

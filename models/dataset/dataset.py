@@ -152,10 +152,7 @@ class Dataset:
         return Frame(entry.index, entry.time_s, readings)
 
     def _image(self, stream: Stream, entry: FrameEntry) -> ImageReading:
-        path, camera = stream.path(self.folder, entry.index), self.onboard.camera
-        image = read_image(path)
-        if image.shape != (camera.height, camera.width):
-            check_image_size(path, camera)
+        image = read_image(stream.path(self.folder, entry.index), self.onboard.camera)
         return ImageReading(image, entry.time_s + stream.offset_s, entry.exposure_ms)
 
     @cached_property
@@ -177,7 +174,7 @@ class Dataset:
     def _estimated(self, stream: Stream, time_s: float) -> Estimate | None:
         """Return the last estimate of a stream that is not later than a frame."""
         said = self._estimates[stream.name]
-        place = bisect.bisect_right([each.time_s for each in said], time_s)
+        place = bisect.bisect_right(said, time_s, key=lambda each: each.time_s)
         return said[place - 1] if place else None
 
 

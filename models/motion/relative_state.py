@@ -20,6 +20,12 @@ bound, not a covariance), and of (small turn, omega) in the target frame, rad an
 ``R_true = R exp([turn]x)``.
 """
 
+STATE_SHAPES: dict[str, dict[str, tuple[int, ...]]] = {
+    TRANSLATION: {"rho_in_lvlh_m": (3,), "rho_dot_in_lvlh_m_s": (3,)},
+    ROTATION: {"R_lvlh_from_target": (3, 3), "omega_target_wrt_lvlh_in_target_rad_s": (3,)},
+}
+STATE_COVARIANCE_SHAPE = (6, 6)
+
 
 @dataclass(frozen=True, eq=False)
 class RelativeState:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -150,4 +151,4 @@ def start_renderer(variant: str, threads: int | None) -> None:
     if threads is not None:
         import drjit
 
-        drjit.set_thread_count(threads)
+        drjit.set_thread_count(min(threads, os.cpu_count() or 1))

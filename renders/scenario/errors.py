@@ -42,7 +42,13 @@ EXPECTATIONS = {
 }
 """What pydantic's kinds of error come to, in the words of someone who writes TOML."""
 ENDS = ("ge", "gt", "le", "lt")
-OUT_OF_RANGE = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+OUT_OF_RANGE = {
+    "finite_number",
+    "greater_than",
+    "greater_than_equal",
+    "less_than",
+    "less_than_equal",
+}
 
 
 def explain(

@@ -19,6 +19,7 @@ from pydantic import Field, ValidationError
 from models.camera import Camera
 from models.errors import ScenarioError, UnreadableError, cause
 from models.reading.bounds import MOST_NAME
+from models.reading.options import check_option
 from models.reading.regular_file import MEGABYTE
 from models.reading.shown import shown
 from models.reading.toml_file import read_toml
@@ -320,11 +321,8 @@ def check_threads(threads: int | None) -> None:
     ------
     ScenarioError
     """
-    if threads is not None and not 1 <= threads <= MOST_THREADS:
-        raise ScenarioError(
-            f"expected --threads from 1 to {MOST_THREADS}, got {shown(threads)}; "
-            "leave it out to use all cores"
-        )
+    hint = "leave it out to use all cores"
+    check_option("--threads", threads, 1, MOST_THREADS, whole=True, hint=hint)
 
 
 def resolve(request: RenderRequest) -> Scenario:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from models.pose import RigidTransform
+from models.reading.fields import Fields
 from models.wireframe.wireframe import Wireframe
 from renders.world.exposure import Exposure
 from renders.world.trajectory import FreeMotion
@@ -44,14 +45,27 @@ class TruthMaker(Protocol):
         """Return the record."""
         ...
 
+    def read(self, fields: Fields) -> SealedRecord:
+        """Read a record back."""
+        ...
 
-def of_markers(
-    scene: Any, world: World, exposure: Exposure, cam_from_target: RigidTransform
-) -> ExposureTruth:
-    """Return where the target's markers are, and what each gets of light."""
-    from renders.truth.marker_truth import exposure_truth
 
-    return exposure_truth(scene, world, exposure, cam_from_target)
+class OfMarkers:
+    """Makes records of where the target's markers are, and what each gets of light."""
+
+    def __call__(
+        self, scene: Any, world: World, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> ExposureTruth:
+        """Return the record."""
+        from renders.truth.marker_truth import exposure_truth
+
+        return exposure_truth(scene, world, exposure, cam_from_target)
+
+    def read(self, fields: Fields) -> ExposureTruth:
+        """Read a record back."""
+        from renders.truth.exposure_truth import ExposureTruth
+
+        return ExposureTruth.from_fields(fields)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +91,12 @@ class OfLandmarks:
             scene, world, exposure, cam_from_target, motion=self.motion, wireframe=self.wireframe
         )
 
+    def read(self, fields: Fields) -> ImageTruth:
+        """Read a record back."""
+        from renders.truth.image_truth import ImageTruth
+
+        return ImageTruth.from_fields(fields)
+
 
 @dataclass(frozen=True, eq=False)
 class OfPoses:
@@ -97,3 +117,9 @@ class OfPoses:
         from renders.truth.landmark_truth import posed_truth
 
         return posed_truth(scene, world, exposure, cam_from_target, self.wireframe)
+
+    def read(self, fields: Fields) -> PosedTruth:
+        """Read a record back."""
+        from renders.truth.posed_truth import PosedTruth
+
+        return PosedTruth.from_fields(fields)

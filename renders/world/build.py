@@ -23,7 +23,7 @@ from renders.scenario.marker_tables import markers_from
 from renders.scenario.motion_choice import table_motion_of
 from renders.scenario.scenario import Scenario
 from renders.scenario.tumble_tables import TumbleTable
-from renders.truth.makers import OfLandmarks, OfPoses, of_markers
+from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
 from renders.world.bodies import Bodies
 from renders.world.cameras import pair_camera, single_camera
 from renders.world.checks import (
@@ -79,7 +79,7 @@ def _pairs(scenario: Scenario) -> World:
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
         ),
-        truth=of_markers,
+        truth=OfMarkers(),
         checks=(outside_the_target, shown_in_some_image, exposed_before_the_next),
     )
 

@@ -75,6 +75,17 @@ def centre_in_image(world: World) -> None:
             )
 
 
+def is_eclipsed(world: World) -> bool:
+    """Tell whether the Earth hides the world's Sun at some exposure."""
+    for check in world.checks:
+        if isinstance(check, Sunlit):
+            try:
+                check(world)
+            except ScenarioError:
+                return True
+    return False
+
+
 def shown_in_some_image(world: World) -> None:
     """Refuse a motion that shows the target in no image.
 

@@ -53,7 +53,7 @@ class FillOfMarkers:
                 f"{self.scenario.name}: expected exposure.mode as auto or fixed where no prior "
                 "is known on board, got 'schedule'"
             )
-        scenario, start_s = self.scenario, self.scenario.times_s[0]
+        scenario, start_s = self.scenario, self.scenario.motion.start_s
         planned = self.flight_plan.cam_from_target(time_s).translation[2]
         first = prior.cam_from_target.translation[2]
         offset = first - self.flight_plan.cam_from_target(start_s).translation[2]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -277,6 +278,10 @@ def test_a_missing_or_binary_camera_file_is_refused(tmp_path: Path) -> None:
         Camera.from_toml(path)
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ScenarioError, match="expected a camera as TOML"):
+        Camera.from_toml(path)
+    path.unlink()
+    os.mkfifo(path)  # whose reader would wait for ever
+    with pytest.raises(ScenarioError, match=r"expected a camera as TOML, got: .*a pipe"):
         Camera.from_toml(path)
 
 

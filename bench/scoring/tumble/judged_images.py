@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.estimating.runs import Run
-from bench.scoring.judgement import Judgement, is_wrong
+from bench.scoring.judgement import Counts, Judgement, TrueScene, is_wrong
 from bench.scoring.limits import Limits, read_limits
 from bench.scoring.tumble.navigation_errors import (
     NavigationError,
@@ -93,6 +93,17 @@ class JudgedImage(Judgement):
     confusion: str | None
     corners: Corners
 
+    @property
+    def counts(self) -> Counts:
+        """The landmarks of this image."""
+        corners = self.corners
+        return Counts(
+            expected=corners.visible,
+            found=corners.found,
+            used=sum(self.estimate.detected.used),
+            in_sun=corners.lit,
+        )
+
     def row(self) -> dict[str, Any]:
         """Return what single images add to a frame of ``per_frame``: None for NaN."""
         error = {
@@ -136,12 +147,24 @@ def judge_run(run: Run, truth: TrueImages) -> list[JudgedImage]:
     for index in truth.dataset.indices:
         said = run.estimates[index]
         begun = begun or relative_state(said) is not None
-        judged.append(judged_image(run.number, said, truth.by_frame[index], truth, begun))
+        was = truth.by_frame[index]
+        judged.append(judged_image(run.number, said, was, truth.knowledge, truth.limits, begun))
     return judged
 
 
+def judge_alone(said: Estimate, record: ImageTruth, scene: TrueScene) -> JudgedImage:
+    """Hold one estimate of one image against its sealed record."""
+    knowledge = UncooperativeKnowledge.of(scene.onboard)
+    return judged_image(0, said, record, knowledge, scene.limits, begun=True)
+
+
 def judged_image(
-    run: int, said: Estimate, was: ImageTruth, truth: TrueImages, begun: bool
+    run: int,
+    said: Estimate,
+    was: ImageTruth,
+    knowledge: UncooperativeKnowledge,
+    limits: Limits,
+    begun: bool,
 ) -> JudgedImage:
     """Hold one estimate against the truth of its image.
 
@@ -150,17 +173,17 @@ def judged_image(
     run : int
     said : Estimate
     was : ImageTruth
-    truth : TrueImages
+    knowledge : UncooperativeKnowledge
+    limits : Limits
     begun : bool
         Whether there has been a state, in this frame or before.
     """
-    knowledge = truth.knowledge
     error = navigation_error(said, was.state, knowledge.cam_from_lvlh)
     state = relative_state(said)
     position_m = None if state is None else error.position_m
     attitude_deg = None if state is None else error.attitude_deg
     confusion = None
-    if state is not None and error.attitude_deg > truth.limits.wrong_attitude_deg:
+    if state is not None and error.attitude_deg > limits.wrong_attitude_deg:
         pose = state.cam_from_target(knowledge.cam_from_lvlh)
         confusion = confusion_of(pose, was.cam_from_target, knowledge.target)
     squares = (
@@ -174,7 +197,7 @@ def judged_image(
         position_m=position_m,
         attitude_deg=attitude_deg,
         missed=begun and said.pose is None,
-        wrong=is_wrong(position_m, attitude_deg, squares, truth.limits),
+        wrong=is_wrong(position_m, attitude_deg, squares, limits),
         error=error,
         confusion=confusion,
         corners=corners_found(said.detected.points_px, was, knowledge.target),

@@ -12,67 +12,26 @@ import numpy as np
 import pytest
 import trimesh
 
-from models.arrays import Floats
 from models.dataset.dataset import open_dataset
 from models.errors import DatasetError, ScenarioError
 from models.frame import CHASER_ORBIT, Frame
 from models.spacecraft.part import Part, Spacecraft
 from renders.batches.dataset_writer import image_path
 from renders.batches.replay import exposed_frames, light_held
-from renders.scenario.scenario import RenderRequest, Scenario
+from renders.scenario.scenario import Scenario
 from renders.store.sealed_exr import read_exr
 from renders.truth.exposure_truth import read_part_names
 from renders.truth.image_truth import read_image_truths
 from renders.world.bodies import Bodies
 from renders.world.build import world_of
 from renders.world.exposure import FILTERED
-from renders.world.trajectory import FreeMotion
-from tests.renders.conftest import TinyDataset
+from tests.renders.conftest import TinyTumble
 from tests.support.frame_images import exposed_ms, single, stored_frames
-from tests.support.small_scenes import LAMBERT, activate_best, needs_jit
+from tests.support.small_scenes import LAMBERT, activate_best
 from tests.support.tumble_scenario import TUMBLE, tumble_table
 
 FRAMES = 3
 TWO_PIXELS_M = 0.9  # at 30 m and 64 columns, on a surface aslant by 45 deg
-
-
-class TinyTumble(TinyDataset):
-    """A rendered case of three single images."""
-
-    @property
-    def motion(self) -> FreeMotion:
-        absolute = self.world.absolute
-        assert absolute is not None
-        return absolute
-
-    @property
-    def landmarks(self) -> Floats:
-        wireframe = self.world.onboard(0).wireframe
-        assert wireframe is not None
-        return wireframe.points_in_target
-
-
-@pytest.fixture(scope="session")
-def tumbled_once(tmp_path_factory: pytest.TempPathFactory) -> TinyTumble:
-    """Never changed: see ``tumbled`` for a copy that may be."""
-    needs_jit()
-    home = tmp_path_factory.mktemp("tumble")
-    case = home / "small.toml"
-    case.write_text(Scenario.model_validate(tumble_table()).to_toml())
-    dataset = TinyTumble(RenderRequest(str(case), home / "out", store=home / "store"))
-    dataset.render()
-    return dataset
-
-
-@pytest.fixture
-def tumbled(tumbled_once: TinyTumble, tmp_path: Path) -> TinyTumble:
-    """Return a copy with a store of its own, to be damaged."""
-    shutil.copytree(tumbled_once.folder, tmp_path / "out")
-    shutil.copytree(tumbled_once.store.folder, tmp_path / "store")
-    record = tmp_path / "out" / "truth" / "light.json"
-    theirs, ours = tumbled_once.store.folder.resolve(), (tmp_path / "store").resolve()
-    record.write_text(record.read_text().replace(str(theirs), str(ours)))
-    return TinyTumble(replace(tumbled_once.request, out=tmp_path / "out", store=tmp_path / "store"))
 
 
 # What is there

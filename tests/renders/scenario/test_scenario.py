@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -115,6 +116,108 @@ def test_what_is_not_toml_or_not_there_is_refused(tmp_path: Path) -> None:
         read_scenario(tmp_path / "mine.toml")
     with pytest.raises(ScenarioError, match="absent"):
         read_scenario(tmp_path / "absent.toml")
+
+
+# Numbers have ranges, values have kinds, text is text
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[motion]\nend_s = 1e9", "motion.end_s above 0 and at most 1e+06, got 1000000000.0"),
+        ("[motion]\nend_s = 9e5\nrate_hz = 15", "at most 100000 frames, got 1.35e+07"),
+        ("[motion]\nend_s = inf", "motion.end_s above 0 and at most 1e+06, got inf"),
+        ("[radiation]\nflux_cm2_s = 1e12", "radiation.flux_cm2_s from 0 to 10000"),
+        ("[optics]\npsf_sigma_px = 1e9", "optics.psf_sigma_px from 0 to 50"),
+        ("[render]\nmarker_samples = 1000000000000", "render.marker_samples from 1 to 65536"),
+        ("[optics]\nf_number = 1e-300", "optics.f_number from 0.5 to 1000"),
+        ("[optics]\nf_number = 1e300", "optics.f_number from 0.5 to 1000"),
+        ("[detector]\nprnu = 1e300", "detector.prnu from 0 to 0.5"),
+        ("[detector]\ndark_current_e_s = 1e300", "detector.dark_current_e_s from 0 to 1e+07"),
+        ("[camera]\nk1 = -5", "can be undone over the whole image, got -5, 0, 0, 0, 0"),
+        ("[camera]\nk3 = 1e300", "camera.k3"),
+        ("[detector]\nbias_dn = 1e300", "detector.bias_dn from 0 to 65535"),
+        ("[detector]\ngain_e_dn = 1e-300", "detector.gain_e_dn from 0.001 to 1e+06"),
+        ("[detector]\nread_noise_e = 1e300", "detector.read_noise_e from 0 to 100000"),
+        ("[detector]\nbias_dn = 4095", "at least 10 DN between bias and saturation, got 0"),
+        ("[detector]\nbits = 8\nbias_dn = 300", "at least 10 DN between bias and saturation"),
+        ("[detector]\nfull_well_e = 100\ngain_e_dn = 26", "got 3.85 with a bias of 100 DN"),
+        ("[detector]\ngain_e_dn = 0.001", "detector.read_noise_e of at most a tenth"),
+        ("[detector]\nread_noise_e = 20000", "detector.read_noise_e of at most a tenth"),
+        ("[detector]\npixel_pitch_um = 1000\n[optics]\nfocus_m = 3.0", "twice the focal length"),
+        (
+            "[detector]\npixel_pitch_um = 1000\n[radiation]\nflux_cm2_s = 1000",
+            "1e+06 particles on the chip",
+        ),
+        (f"[render]\nseed = {2**64}", "render.seed from 0 to 9.22337e+18"),
+        (f"[render]\nsamples = {10**4000}", "a whole number of some 4000 digits"),
+    ],
+)
+def test_a_number_beyond_its_range_is_refused_and_the_range_told(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    assert said in refusal(tmp_path, 'name = "x"\n' + text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[camera]\nwidth = "64"', "camera.width to be a whole number"),
+        ("[camera]\nwidth = 64.0", "camera.width to be a whole number"),
+        ("[render]\nsamples = true", "render.samples to be a whole number"),
+        ('[motion]\nrate_hz = "1"', "motion.rate_hz to be a number"),
+        ("[motion]\nrate_hz = true", "motion.rate_hz to be a number"),
+        ("[motion]\ntarget_wobble = 1", "motion.target_wobble to be true or false"),
+        ('[motion]\ntarget_wobble = "yes"', "motion.target_wobble to be true or false"),
+        ('[earth]\ndirection = ["0", 0, 1]', "earth.direction.0 to be a number"),
+        ("[earth]\ndirection = [true, 0, 1]", "earth.direction.0 to be a number"),
+        ("[sun]\nshared = [1]", "sun.shared.0 to be text"),
+    ],
+)
+def test_nothing_is_coerced(tmp_path: Path, text: str, said: str) -> None:
+    assert said in refusal(tmp_path, 'name = "x"\n' + text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (f'name = "{1_000_000 * "x"}"', "more than 1 MB"),
+        (f'name = "{900_000 * "x"}"', "name to be at most 200 characters"),
+        (f'name = "x"\ndescription = "{20_000 * "x"}"', "description to be at most 10000"),
+        ("name = 'x'\nzzz = [" + 20_000_000 * "1," + "]", "more than 1 MB"),
+        ("name = 'x'\nzzz = [" + 400_000 * "1," + "]", "unknown key zzz"),
+        ("name = 'x'\n" + "".join(f"z{n} = 1\n" for n in range(50_000)), "and 49990 more"),
+        (f"name = 'x'\n{900_000 * 'z'} = 1", "unknown key zzz"),
+        ("a = " + 5000 * "[" + 5000 * "]", "nested more than 32 deep"),
+        (".".join(5000 * ["a"]) + " = 1", "nested more than 32 deep"),
+        (f"name = 'x'\nzzz = 1{5000 * '0'}", "digits"),
+        ('name = "x\\u001b[31m"', "name to be printable text on one line"),
+        ('name = "x\\ny"', "name to be printable text on one line"),
+        ('name = " "', "name to be printable text on one line"),
+        ('name = "x\\u202ey"', "name to be printable text on one line"),
+        ('name = "x"\ndescription = "\\u001b[2J"', "description to be printable text"),
+        ('name = "x"\n[sun]\ndefault = "S2\\n"', "sun.default to be printable text"),
+    ],
+    ids=lambda text: text[:30],
+)
+def test_text_and_size_have_bounds(tmp_path: Path, text: str, said: str) -> None:
+    told = refusal(tmp_path, text)
+    assert said in told
+    assert told.isprintable()
+    assert len(told) < 5000
+
+
+def test_a_scenario_may_begin_with_a_byte_order_mark_and_have_any_printable_name(
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, '\ufeffname = "[bold red]x[/nosuch] $\\\\frac{$ Ü"\n')
+    assert read_scenario(path).name == "[bold red]x[/nosuch] $\\frac{$ Ü"
+
+
+def test_a_scenario_is_a_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "mine.toml")
+    with pytest.raises(ScenarioError, match="a pipe, where a file was expected"):
+        read_scenario(tmp_path / "mine.toml")
 
 
 # What no single key can show
@@ -250,6 +353,9 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
             "between exposure.min_ms and exposure.max_ms, got 1 with 2",
         ),
         ('mode = "auto"\npercentile = 101.0', "expected exposure.percentile from 1 to 100"),
+        ("schedule_ms = [[0.0, 40.0]]", "and below motion.pair_gap_ms, 33 ms"),
+        ("schedule_ms = [0.0, 40.0]", "expected exposure.schedule_ms.0 to be a list"),
+        ("schedule_ms = [[1.0, 2.0]]\nmarker_fill = 0.5", "expected exposure.marker_fill as 0.6"),
     ],
 )
 def test_exposures_that_cannot_be_are_refused(tmp_path: Path, text: str, said: str) -> None:

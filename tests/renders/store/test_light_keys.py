@@ -207,9 +207,9 @@ def test_a_spacecraft_is_known_by_every_piece(
 def test_target_chaser_and_materials_are_in_every_key(monkeypatch: pytest.MonkeyPatch) -> None:
     before = keys_of(plain())
     for which in ("target", "chaser"):
-        world = world_of(plain().scenario)
-        world.__dict__[which] = moved(getattr(plain(), which))
-        after = keys_of(world)
+        world, other = plain(), moved(getattr(plain(), which))
+        bodies = replace(world.bodies, **{f"make_{which}": lambda other=other: other})
+        after = keys_of(replace(world, bodies=bodies))
         assert all(before[name] != after[name] for name in before)
     paint = MATERIALS["black_paint"]
     lighter = replace(paint, diffuse=BandReflectance(*(b + 0.001 for b in paint.diffuse.bands)))
