@@ -150,6 +150,8 @@ def _calibration(scenario: dict[str, dict[str, Any]]) -> str:
     if table is None:
         return "what ours carry is not on record"
     focal, centre = table["sigma_focal_px"], table["sigma_principal_point_px"]
+    if (scenario.get("told") or {}).get("camera"):
+        return "ours are off by what the scenario's [told.camera] says"
     if focal == 0.0 and centre == 0.0:
         return "ours are calibrated exactly"
     return f"ours carry {focal:g} px in focal length and {centre:g} px in principal point"

@@ -178,7 +178,7 @@ def judged_image(
     begun : bool
         Whether there has been a state, in this frame or before.
     """
-    error = navigation_error(said, was.state, knowledge.cam_from_lvlh)
+    error = navigation_error(said, was.state, knowledge.cam_from_lvlh, was.cam_from_target)
     state = relative_state(said)
     position_m = None if state is None else error.position_m
     attitude_deg = None if state is None else error.attitude_deg
