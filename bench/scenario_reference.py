@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 import tomli_w
 from pydantic.fields import FieldInfo
 
+from models.motion.pose_table import pose_columns
 from renders.scenario.scenario import Scenario
 from renders.scenario.table import Table
 
@@ -29,6 +30,54 @@ A scenario is a TOML file. What is left out has its default; a key that is not h
 path to such a file works wherever the name of a case does, and `bench/cases/` holds some to start
 from. Units stand at the end of a key. Files that a scenario names lie beside it, and what they say
 is written into the resolved scenario, `truth/scenario.toml` in a dataset.
+"""
+EXAMPLE = """\
+name = "mine"
+target = "maxar1300"
+markers = "markers.toml"        # places and normals of your own; see [[markers.marker]]
+
+[camera]
+width = 1920
+height = 1200
+fx = 2210.0
+fy = 2190.0
+cx = 987.3                      # pixel centres are integers
+cy = 571.8
+k1 = -0.22
+
+[detector]
+pixel_pitch_um = 3.45
+
+[motion]
+file = "poses.csv"              # each row a frame; poses = "interpolated" flies through them
+
+[sun]
+default = "0.3,-0.5,1"          # "table": that of each row, sun_x,sun_y,sun_z
+
+[told.camera]
+fx = { sigma = 1.0 }            # drawn in every run, and the pipeline is told how widely
+fy = { sigma = 1.0 }
+cx = { offset = 0.5 }           # of which it knows nothing
+
+[told.markers]
+place_m = { sigma = 0.001 }
+"""
+"""A scenario of one's own; a test reads it."""
+ABOUT_EXAMPLE = """\
+## A scenario of your own
+
+```toml
+{example}```
+
+The first line of `poses.csv` says which way the poses map; quaternions are scalar first:
+
+```
+{columns}
+```
+
+or the same with `target_from_cam`. `sun_x,sun_y,sun_z` (towards the Sun, target axes, length 1) and
+`exposure_ms` may stand beside them. Camera axes are x right, y down, z forward. `--width` renders a
+camera of your own at fewer columns, its field of view kept, for a first look.
 """
 COLUMNS = ("key", "type", "unit", "default", "range", "meaning")
 UNITS = {
@@ -52,7 +101,8 @@ def reference() -> str:
             title = f"`[[{name}]]`" if _is_list_at(name) else f"`[{name}]`"
             sections.append(_section(title, kind, shared))
     sections += [_section(_title(kind), kind, shared) for kind in shared]
-    return "\n".join([HEAD, *sections])
+    columns = ",".join(pose_columns("cam_from_target"))
+    return "\n".join([HEAD, ABOUT_EXAMPLE.format(example=EXAMPLE, columns=columns), *sections])
 
 
 def main() -> None:

@@ -124,7 +124,8 @@ class Estimate:
         rvbench estimate out/demo
         rvbench estimate --frames pairs --camera camera.toml --target maxar1300
 
-    Image pairs are NAME_800.png and NAME_850.png, grey, 8 or 16 bits, taken in order of name.
+    Image pairs are NAME_800.png and NAME_850.png (or .tif, or .jpg), grey, 8 or 16 bits, taken in
+    order of name.
     """
 
     folder: Positional[OptionalFolder] = None
@@ -272,8 +273,12 @@ class Show:
 
     def run(self) -> int:
         """Draw and write the picture."""
+        from bench.pictures.our_picture import check_picture_place
+
         name = f"{self.frame:06d}_{self.variant}.png"
         out = self.out or self.folder / "show" / name
+        if self.out is not None:
+            check_picture_place(self.out)
         api.show(self.folder, self.frame, out, self.variant)
         print(f"picture: {out}")
         return DONE

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import difflib
 import hashlib
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
+from bench.estimating.pipeline_process import described
 from models.errors import ScenarioError
-from pipelines.pipeline import RegisteredPipeline
-from pipelines.registry import is_ours, pipeline_names, registered_pipeline
+from pipelines.registry import (
+    foreign_places,
+    is_ours,
+    pipeline_names,
+    registered_pipeline,
+    unusable_entry_points,
+)
+
+LABEL = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")  # it names files
 
 
 @dataclass(frozen=True)
@@ -21,16 +31,20 @@ class Contender:
     label : str
         What its estimates and its column in a score are called.
     pipeline, variant : str
+    own_settings : str
+        What the pipeline tells of its settings, as a hash.
+    place : str
+        Where it stands; empty for ours.
+    asked : bool
+        Whether it was asked for by name, so that it must run.
     """
 
     label: str
     pipeline: str
     variant: str
-
-    @property
-    def registered(self) -> RegisteredPipeline:
-        """The pipeline, loaded."""
-        return registered_pipeline(self.pipeline)
+    own_settings: str
+    place: str = ""
+    asked: bool = False
 
     @property
     def is_ours(self) -> bool:
@@ -40,8 +54,16 @@ class Contender:
     @property
     def settings(self) -> str:
         """Hash of all its settings."""
-        own = f"{self.pipeline} {self.variant} {self.registered.settings_hash(self.variant)}"
+        own = f"{self.pipeline} {self.variant} {self.own_settings}"
         return hashlib.sha256(own.encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A pipeline as it tells of itself."""
+
+    streams: tuple[str, ...]
+    variants: tuple[Contender, ...]
 
 
 def contenders(
@@ -63,42 +85,97 @@ def contenders(
     ScenarioError
         If one asked for is not there, or nobody can run.
     """
-    given, remarks = set(streams), []
-    found: list[Contender] = []
-    for name in [*own, *(each for each in pipeline_names() if not is_ours(each))]:
+    given = set(streams)
+    found: dict[str, Contender] = {}
+    lacking: dict[str, _Known] = {}
+    faults: dict[str, str] = {}
+    remarks = unusable_entry_points()
+    for name in dict.fromkeys([*own, *(each for each in pipeline_names() if not is_ours(each))]):
+        if asked and not is_ours(name) and all(_named(each, found) for each in asked):
+            break  # nobody else's code runs where none was asked for
         try:
-            registered = registered_pipeline(name)
+            known = _known(name, foreign_places().get(name, ""))
         except ScenarioError as error:
-            remarks.append(str(error))
+            faults[name] = str(error)
             continue
-        if set(registered.streams) <= given:
-            found += [
-                Contender(registered.labelled(variant), name, variant)
-                for variant in registered.variants
-            ]
-    twice = [each.label for each in found]
-    remarks += [
-        f"pipeline {each.pipeline}: its label {each.label} is taken; it is left out"
-        for place, each in enumerate(found)
-        if each.label in twice[:place]
-    ]
-    found = [each for place, each in enumerate(found) if each.label not in twice[:place]]
-    return (_chosen(found, asked) if asked else found), remarks
+        if not set(known.streams) <= given:
+            lacking[name] = known
+            continue
+        for each in known.variants:
+            if each.label in found:
+                faults.setdefault(
+                    name,
+                    f"pipeline {name}: expected a label of its own, got {each.label}, which "
+                    f"{found[each.label].pipeline} has",
+                )
+            else:
+                found[each.label] = each
+    if not asked:
+        return list(found.values()), [*remarks, *faults.values()]
+    _check_asked(asked, found, lacking, faults, remarks)
+    chosen = [each for each in found.values() if {each.label, each.pipeline} & set(asked)]
+    return [_that_was_asked(each) for each in chosen], []
 
 
-def _chosen(found: Sequence[Contender], asked: Sequence[str]) -> list[Contender]:
-    known = {each.label for each in found} | {each.pipeline for each in found}
+def _named(asked: str, found: dict[str, Contender]) -> bool:
+    return asked in found or any(each.pipeline == asked for each in found.values())
+
+
+def _that_was_asked(each: Contender) -> Contender:
+    return Contender(each.label, each.pipeline, each.variant, each.own_settings, each.place, True)
+
+
+def _check_asked(
+    asked: Sequence[str],
+    found: dict[str, Contender],
+    lacking: dict[str, _Known],
+    faults: dict[str, str],
+    remarks: Sequence[str],
+) -> None:
     for name in asked:
-        if name not in known:
-            if name in pipeline_names():
-                registered_pipeline(name)  # says what is wrong with it, if anything is
+        if _named(name, found):
+            continue
+        if name in faults:
+            raise ScenarioError(faults[name])
+        if is_ours(name) and name not in lacking:
+            lacking[name] = _known(name, "")
+        for pipeline, known in lacking.items():
+            if name == pipeline or any(name == each.label for each in known.variants):
                 raise ScenarioError(
                     f"expected a pipeline for these frames, got {name}, which needs the streams "
-                    f"{', '.join(registered_pipeline(name).streams)}"
+                    f"{', '.join(known.streams)}"
                 )
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"; perhaps you meant {near[0]}" if near else ""
+        known_names = sorted({*found, *(each.pipeline for each in found.values())})
+        near = difflib.get_close_matches(name, known_names, n=1)
+        hint = f"; perhaps you meant {near[0]}" if near else ""
+        left_out = "".join(f"; left out: {each}" for each in [*faults.values(), *remarks])
+        raise ScenarioError(
+            f"expected a pipeline among {', '.join(known_names) or 'none'}, got {name!r}{hint}"
+            f"{left_out}"
+        )
+
+
+@cache
+def _known(name: str, place: str) -> _Known:
+    """Return what a pipeline tells of itself; another package's tells it in its own process."""
+    if not place:
+        ours = registered_pipeline(name)
+        variants = tuple(
+            Contender(ours.labelled(each), name, each, ours.settings_hash(each))
+            for each in ours.variants
+        )
+        return _Known(ours.streams, variants)
+    table = described(name, place)
+    variants = tuple(
+        Contender(each["label"], name, each["name"], each["settings"], place)
+        for each in table["variants"]
+    )
+    for each in variants:
+        if not LABEL.fullmatch(each.label):
             raise ScenarioError(
-                f"expected a pipeline among {', '.join(sorted(known))}, got {name!r}{hint}"
+                f"pipeline {name}: expected labels of letters, digits, _ and -, "
+                f"got {each.label!r:.120}"
             )
-    return [each for each in found if each.label in asked or each.pipeline in asked]
+    if not variants:
+        raise ScenarioError(f"pipeline {name}: expected at least one variant, got none")
+    return _Known(tuple(table["streams"]), variants)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
-
 from bench.chains.catalogue import chain_named
 from bench.estimating.contenders import Contender, contenders
+from bench.estimating.guard import printable
 from bench.estimating.runner import estimate_run
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import ScenarioError
@@ -16,9 +15,9 @@ from models.plain_console import plain_console
 
 
 def taking_part(
-    dataset: Dataset, asked: Sequence[str] = (), console: Console | None = None
+    dataset: Dataset, asked: Sequence[str] = (), *, tell: bool = True
 ) -> list[Contender]:
-    """Return who estimates a dataset; installed pipelines that cannot be loaded are told of.
+    """Return who estimates a dataset; with ``tell``, also say who cannot.
 
     Raises
     ------
@@ -28,15 +27,21 @@ def taking_part(
     chain = chain_named(dataset.info.chain)
     streams = [stream.name for stream in dataset.info.streams]
     found, remarks = contenders(streams, chain.pipelines, asked)
-    console = console or plain_console(stderr=True)
-    for remark in remarks:
-        console.print(f"left out: {remark}", soft_wrap=True, highlight=False)
+    if tell:
+        tell_of(remarks)
     if not found:
         raise ScenarioError(
             f"{dataset.folder}: expected a pipeline for the streams {', '.join(streams)}, "
             "found none; install one, see CONTRIBUTING.md"
         )
     return found
+
+
+def tell_of(remarks: Sequence[str]) -> None:
+    """Say on stderr what is wrong with installed pipelines."""
+    console = plain_console(stderr=True)
+    for remark in remarks:
+        console.print(f"left out: {printable(remark)}", soft_wrap=True, highlight=False)
 
 
 def estimate_dataset(

@@ -1,45 +1,103 @@
-"""One pipeline in a process of its own, asked frame by frame."""
+"""One pipeline in a process of its own, asked frame by frame.
+
+The process is a new Python with this one's search path: it loads the same house, shares no state,
+has no terminal to read or be interrupted from, and ends with this one, however that ends.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
+import json
+import os
+import pickle
 import signal
-import traceback
-from dataclasses import dataclass
-from multiprocessing.connection import Connection
-from time import perf_counter
+import socket
+import subprocess
+import sys
 from typing import Any
 
+from bench.estimating.answer import MOST_BYTES, Answer, answer_from_bytes
+from bench.estimating.channel import Channel, Closed
 from models.errors import ScenarioError
 from models.frame import Frame
 from models.onboard import OnboardKnowledge
-from pipelines.registry import registered_pipeline
 
 START_LIMIT_S = 600.0  # a busy machine imports slowly; who waits so long waits for a hang
-LAST_WORDS = 300
+END_LIMIT_S = 10.0  # for a process that has closed its end to be gone
+PROGRAM = """import json, sys
+sys.path[:] = json.loads(sys.argv.pop())
+from bench.estimating.pipeline_child import main
+main()
+"""
 
 
 class Hung(Exception):
     """It took longer than it may, or its process ended."""
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What came back.
+class _Child:
+    """A new process that says what it is asked."""
 
-    Attributes
-    ----------
-    said : object
-        What the pipeline returned, or text: why it returned nothing.
-    runtime_ms : float, ms
-    over : bool
-        Whether the pipeline cannot go on.
-    """
+    def __init__(self) -> None:
+        ours, theirs = socket.socketpair()
+        self.channel = Channel(ours)
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", PROGRAM, str(theirs.fileno()), str(os.getpid()),
+                 json.dumps(sys.path)],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=2,
+                env={**os.environ, "PYTHONUNBUFFERED": "1"},
+                start_new_session=True,
+            )  # fmt: skip
 
-    said: Any
-    runtime_ms: float
-    over: bool = False
+    def say(self, message: Any, limit_s: float, what: str) -> None:
+        """Hand over anything; see ``hear``."""
+        try:
+            self.channel.send(pickle.dumps(message), limit_s)
+        except TimeoutError as error:
+            raise Hung(f"the pipeline took longer than {limit_s:g} s and was ended") from error
+        except Closed as error:
+            raise Hung(f"the pipeline's process ended while it {what}{self._how()}") from error
+
+    def hear(self, limit_s: float, what: str) -> bytes:
+        """Wait for its answer.
+
+        Raises
+        ------
+        Hung
+            If it takes longer than ``limit_s``, or the process has ended.
+        """
+        try:
+            return self.channel.receive(limit_s, MOST_BYTES)
+        except TimeoutError as error:
+            raise Hung(f"the pipeline took longer than {limit_s:g} s and was ended") from error
+        except Closed as error:
+            raise Hung(f"the pipeline's process ended while it {what}{self._how()}") from error
+
+    def end(self) -> None:
+        """End it and all that it started, however busy they are."""
+        self.channel.close()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+
+    @property
+    def process_id(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    def _how(self) -> str:
+        try:
+            code = self._process.wait(END_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            return ""
+        if code >= 0:
+            return f", with exit code {code}"
+        with contextlib.suppress(ValueError):
+            return f", by {signal.Signals(-code).name}"
+        return f", by signal {-code}"
 
 
 class PipelineProcess:
@@ -47,8 +105,14 @@ class PipelineProcess:
 
     Parameters
     ----------
-    pipeline, variant : str
+    pipeline : str
+        Its name.
+    place : str
+        Where it stands; see ``pipelines.registry``. Not needed of ours.
+    variant : str
     onboard : OnboardKnowledge
+    start_limit_s : float, s
+        Most that making it may take.
 
     Raises
     ------
@@ -58,18 +122,36 @@ class PipelineProcess:
         If it does not come to be.
     """
 
-    def __init__(self, pipeline: str, variant: str, onboard: OnboardKnowledge) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._ours, theirs = context.Pipe()
-        self._process = context.Process(
-            target=_serve, args=(theirs, pipeline, variant, onboard), daemon=True
-        )
-        self._process.start()
-        theirs.close()
-        made = self._answer(START_LIMIT_S, "made itself")
-        if made.said is not None:
+    def __init__(
+        self,
+        pipeline: str,
+        place: str,
+        variant: str,
+        onboard: OnboardKnowledge,
+        start_limit_s: float = START_LIMIT_S,
+    ) -> None:
+        asked = {
+            "do": "run",
+            "name": pipeline,
+            "place": place,
+            "variant": variant,
+            "onboard": onboard,
+        }
+        self._child = _Child()
+        try:
+            self._child.say(asked, start_limit_s, "was made")
+            wrong = self._child.hear(start_limit_s, "was made").decode()
+        except BaseException:
             self.end()
-            raise ScenarioError(f"pipeline {pipeline}: expected it to be made, {made.said}")
+            raise
+        if wrong:
+            self.end()
+            raise ScenarioError(f"pipeline {pipeline}: expected it to be made, got: {wrong}")
+
+    @property
+    def process_id(self) -> int:
+        """Of its process."""
+        return self._child.process_id
 
     def ask(self, frame: Frame, limit_s: float) -> Answer:
         """Have a frame processed.
@@ -79,52 +161,48 @@ class PipelineProcess:
         Hung
             If it takes longer than ``limit_s``, or the process has ended.
         """
+        self._child.say(frame, limit_s, "took a frame")
+        message = self._child.hear(limit_s, "took a frame")
         try:
-            self._ours.send(frame)
-        except OSError as error:
-            raise Hung("the pipeline's process ended") from error
-        return self._answer(limit_s, "took a frame")
+            return answer_from_bytes(message)
+        except ValueError as error:
+            raise Hung("the pipeline wrote where the bench listens, and was ended") from error
 
     def end(self) -> None:
         """End the process, however busy it is."""
-        self._process.kill()
-        self._process.join()
-        self._ours.close()
-
-    def _answer(self, limit_s: float, what: str) -> Answer:
-        try:
-            if not self._ours.poll(limit_s):
-                raise Hung(f"the pipeline took longer than {limit_s:g} s and was ended")
-            answer: Answer = self._ours.recv()
-        except (EOFError, OSError) as error:
-            raise Hung(f"the pipeline's process ended while it {what}") from error
-        return answer
+        self._child.end()
 
 
-def _serve(connection: Connection, name: str, variant: str, onboard: OnboardKnowledge) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is its parent's to act on
+def described(name: str, place: str, limit_s: float = START_LIMIT_S) -> dict[str, Any]:
+    """Have a pipeline tell of itself in a process of its own; its code runs nowhere else.
+
+    Parameters
+    ----------
+    name, place : str
+        As ``pipelines.registry`` has them.
+    limit_s : float, s
+
+    Returns
+    -------
+    dict
+        ``streams``, and ``variants`` with ``name``, ``label`` and ``settings`` each.
+
+    Raises
+    ------
+    ScenarioError
+        If it cannot be loaded.
+    """
+    child = _Child()
     try:
-        pipeline = registered_pipeline(name).make(onboard, variant)
-        connection.send(Answer(None, 0.0))
-    except Exception as error:
-        connection.send(Answer(_told(error), 0.0, over=True))
-        return
-    with contextlib.suppress(EOFError, OSError):  # the parent is done with it
-        while True:
-            frame = connection.recv()
-            began = perf_counter()
-            try:
-                said: Any = pipeline.process(frame)
-            except Exception as error:
-                said = _told(error)
-            spent_ms = 1e3 * (perf_counter() - began)
-            try:
-                connection.send(Answer(said if said is not None else "it said nothing", spent_ms))
-            except (TypeError, ValueError, AttributeError) as error:  # what cannot be pickled
-                connection.send(Answer(f"the pipeline's answer cannot be sent: {error}", spent_ms))
-
-
-def _told(error: BaseException) -> str:
-    last = traceback.extract_tb(error.__traceback__)[-1:]
-    place = f" ({last[0].name}, line {last[0].lineno})" if last else ""
-    return f"the pipeline raised {type(error).__name__}: {str(error)[:LAST_WORDS]}{place}"
+        child.say({"do": "describe", "name": name, "place": place}, limit_s, "was loaded")
+        table: dict[str, Any] = json.loads(child.hear(limit_s, "was loaded"))
+    except (Hung, ValueError) as error:
+        raise ScenarioError(
+            f"pipeline {name} ({place}): expected it to be loaded, got: {error}; "
+            "mend or uninstall its package"
+        ) from error
+    finally:
+        child.end()
+    if "wrong" in table:
+        raise ScenarioError(table["wrong"])
+    return table

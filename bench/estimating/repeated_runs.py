@@ -39,7 +39,7 @@ def repeat_runs(folder: Path, runs: int) -> list[int]:
         If the light of a frame has left the radiance store.
     """
     dataset = open_dataset(folder)
-    chosen = taking_part(dataset)
+    chosen = _who_spoke(dataset)
     left = [number for number in range(1, runs) if not _is_done(dataset, number, chosen)]
     for number in left:
         _repeat(dataset, number, chosen)
@@ -52,10 +52,17 @@ def runs_left(folder: Path, runs: int) -> list[int]:
         return []
     try:
         dataset = open_dataset(folder)
-        chosen = taking_part(dataset)
+        chosen = _who_spoke(dataset)
     except RvbenchError:
         return list(range(1, runs))
     return [number for number in range(1, runs) if not _is_done(dataset, number, chosen)]
+
+
+def _who_spoke(dataset: Dataset) -> list[Contender]:
+    """Return who takes part and was made for run 0: a pipeline that could not be is left out."""
+    every = taking_part(dataset, tell=False)  # run 0 has told
+    spoke = [each for each in every if estimates_path(dataset.folder, 0, each.label).is_file()]
+    return spoke or every
 
 
 def _is_done(dataset: Dataset, number: int, chosen: list[Contender]) -> bool:

@@ -55,13 +55,13 @@ def estimate_run(
     DatasetError
         If a frame is missing or damaged, or somebody of the house lacks something on board.
     """
-    said: dict[str, list[Estimate]] = {each.label: [] for each in taking_part}
-    runtime_ms: dict[str, dict[int, float]] = {each.label: {} for each in taking_part}
     title = "estimate" if number == 0 else f"estimate, run {number}"
     with (
         Guards(taking_part, onboard, limit_s) as guarded,
         frame_progress(title, count) as advance,
     ):
+        said: dict[str, list[Estimate]] = {label: [] for label in guarded}
+        runtime_ms: dict[str, dict[int, float]] = {label: {} for label in guarded}
         for frame in frames:
             for label, pipeline in guarded.items():
                 answer = pipeline.process(frame)

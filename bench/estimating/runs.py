@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,11 @@ def read_stamp(folder: Path, number: int) -> dict[str, Any]:
         return {}
 
 
+def spoken_variants(folder: Path) -> tuple[str, ...]:
+    """Return the variants that have estimates of run 0, in order of name; perhaps none."""
+    return tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+
+
 def found_variants(folder: Path) -> tuple[str, ...]:
     """Return the variants that have estimates of run 0.
 
@@ -80,7 +86,7 @@ def found_variants(folder: Path) -> tuple[str, ...]:
     DatasetError
         If there are none.
     """
-    variants = tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+    variants = spoken_variants(folder)
     if not variants:
         raise DatasetError(
             f"expected estimates at {folder / 'estimates'}/*.jsonl, found none; "
@@ -97,7 +103,7 @@ def spoken_variant(folder: Path, variant: str) -> str | None:
     DatasetError
         If others have, but not this one.
     """
-    spoken = sorted(path.stem for path in (folder / "estimates").glob("*.jsonl"))
+    spoken = spoken_variants(folder)
     if spoken and variant not in spoken:
         raise DatasetError(
             f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, got {variant!r}"
@@ -107,7 +113,7 @@ def spoken_variant(folder: Path, variant: str) -> str | None:
 
 def found_runs(folder: Path, variant: str) -> list[int]:
     """Return the numbers of the runs that have estimates of a variant, in order."""
-    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{variant}.jsonl")
+    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{escape(variant)}.jsonl")
     numbers = sorted(int(path.parent.parent.name) for path in others)
     return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
 

@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
+from bench.scoring.judgement import NO_REASON
 from models.arrays import AnyArray, Floats, Image
 from models.camera import Camera
 from models.frame import IMAGE
@@ -89,7 +90,7 @@ def verdict(record: FrameRecord) -> str:
         return "not estimated"
     said = record.estimate.mode or "estimated"
     if record.estimate.pose is None:
-        said += f" (no pose from this image: {record.estimate.reason})"
+        said += f" (no pose from this image: {record.estimate.reason or NO_REASON})"
     pose = record.estimated_pose
     if pose is None or record.truth is None:
         return said

@@ -14,6 +14,7 @@ from models.markers import MarkerPattern
 from models.onboard import OnboardKnowledge
 
 ALLOWED_CONFIDENCE = 0.9999  # one honest frame in ten thousand lies beyond its covariance
+NO_REASON = "none told"
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +94,13 @@ class Judgement:
     def lost(self) -> bool:
         """Whether this frame's own readings gave no pose."""
         return self.estimate.pose is None
+
+    @property
+    def reason(self) -> str | None:
+        """Why they gave none; None where they gave one."""
+        if not self.lost:
+            return None
+        return self.estimate.reason or NO_REASON
 
 
 def is_wrong(

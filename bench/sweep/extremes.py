@@ -56,13 +56,17 @@ def told(row: Row) -> str:
     if row.position_error_mm is None:
         return f"no pose: {row.reason}; {markers} found"
     return (
-        f"{markers} found, position off by {number(row.position_error_mm)} mm, "
-        f"attitude by {number(row.attitude_error_deg)} deg"
+        f"{markers} found, position expected within {number(row.position_sigma_mm)} mm (1-sigma), "
+        f"in this draw off by {number(row.position_error_mm)} mm, attitude by "
+        f"{number(row.attitude_error_deg)} deg"
     )
 
 
 def ranked(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
-    """Return the kindest directions, best first, and the harshest, worst first; no row twice."""
+    """Return the kindest directions, best first, and the harshest, worst first; no row twice.
+
+    One draw of noise does not rank; see ``Row.harshness``.
+    """
     ordered = sorted(rows, key=lambda row: row.harshness)
     each = min(OF_EACH, len(ordered) // 2) or len(ordered)
     return ordered[:each], ordered[::-1][: min(each, len(ordered) - each)]

@@ -22,6 +22,7 @@ from bench.sweep.plan import SweepPlan, SweepPose
 from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
+from models.output_folder import check_empty, check_place
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
 from renders.scenario.scenario import read_scenario
@@ -36,8 +37,9 @@ PoseTruth: TypeAlias = dict[str, Any]
 
 
 def check_folder(plan: SweepPlan) -> None:
-    """Refuse a file, a dataset, or a sweep of another scenario.
+    """Refuse a file, a dataset, a sweep of another scenario, or what is not ours.
 
+    The scenario is the first file to be written, so that a sweep killed at any moment goes on.
     Poses, Suns, exposures, lamp powers and pipelines may be others than last time: what is there
     of them is used again.
 
@@ -47,8 +49,7 @@ def check_folder(plan: SweepPlan) -> None:
         Nothing was changed.
     """
     out = plan.request.out
-    if out.exists() and not out.is_dir():
-        raise DatasetError(f"expected a folder at {out}, found a file; choose another --out")
+    check_place(out)
     if (out / "dataset.json").exists():
         raise DatasetError(
             f"expected {out} to be empty or to hold this very sweep, it holds a dataset; "
@@ -56,6 +57,7 @@ def check_folder(plan: SweepPlan) -> None:
         )
     there = scenario_path(out)
     if not there.is_file():
+        check_empty(out, "a sweep that rvbench made")
         return
     scenario = read_scenario(there)
     if scenario.fingerprint() != plan.scenario.fingerprint():

@@ -17,9 +17,12 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
+
 from bench.scoring.judgement import Judgement
 from models.arrays import Floats
 from models.errors import DatasetError, cause
+from models.estimate import Estimate
 from models.lights.sun_grid import NamedSun
 from models.reading import csv_table
 from models.reading.bounds import MOST_PROSE
@@ -61,6 +64,9 @@ class Row:
     in_sun : int
         Markers that the Sun lights at least half (or landmarks that it reaches).
     position_error_mm, attitude_error_deg : float or None, mm and deg
+    position_sigma_mm : float or None, mm
+        How far off the pipeline expects to be, 1-sigma in all three axes together: it follows from
+        the markers found and the noise measured, and not from one draw of it.
     error_x_mm, error_y_mm, error_z_mm : float or None, mm
         Along the camera's axes.
     reason : str
@@ -86,6 +92,7 @@ class Row:
     in_sun: int
     position_error_mm: float | None
     attitude_error_deg: float | None
+    position_sigma_mm: float | None
     error_x_mm: float | None
     error_y_mm: float | None
     error_z_mm: float | None
@@ -94,13 +101,17 @@ class Row:
 
     @property
     def harshness(self) -> tuple[float, ...]:
-        """What orders rows from kind to harsh: no pose, markers missed, then the error."""
+        """What orders rows from kind to harsh: no pose, a wrong one, markers missed, the error.
+
+        Of errors the one expected comes first: the error itself is one draw of noise and prior.
+        """
         missed = float(self.expected - self.found)
         if self.position_error_mm is None:
             return (2.0, missed, -float(self.used), 0.0)
         if self.verdict == "wrong pose":
             return (1.0, self.position_error_mm, 0.0, 0.0)
-        return (0.0, missed, 0.0, self.position_error_mm)
+        expected_mm = np.inf if self.position_sigma_mm is None else self.position_sigma_mm
+        return (0.0, missed, expected_mm, self.position_error_mm)
 
 
 @dataclass(frozen=True)
@@ -172,6 +183,7 @@ def judged_row(
         in_sun=counts.in_sun,
         position_error_mm=None if judged.position_m is None else 1e3 * judged.position_m,
         attitude_error_deg=judged.attitude_deg,
+        position_sigma_mm=_sigma_mm(judged.estimate),
         error_x_mm=along_mm[0],
         error_y_mm=along_mm[1],
         error_z_mm=along_mm[2],
@@ -185,6 +197,13 @@ def _flat(row: Row) -> dict[str, Any]:
     values = asdict(row)
     saturated = values.pop("saturated_percent")
     return {**values, **{f"saturated_{name}_percent": x for name, x in saturated.items()}}
+
+
+def _sigma_mm(estimate: Estimate) -> float | None:
+    if estimate.pose is None or estimate.pose.covariance is None:
+        return None
+    variance_m2 = float(np.trace(estimate.pose.covariance[3:, 3:]))
+    return 1e3 * variance_m2**0.5 if 0.0 <= variance_m2 < np.inf else None
 
 
 def to_csv(rows: list[Row]) -> str:

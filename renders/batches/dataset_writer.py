@@ -26,6 +26,7 @@ from models.dataset.image_file import encode_image
 from models.dataset.marker_file import markers_to_toml
 from models.errors import DatasetError
 from models.markers import MarkerPattern
+from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
 from renders.store.radiance_store import KEY, RadianceStore
 from renders.store.sealed_exr import read_exr, write_exr
@@ -55,16 +56,18 @@ def _ends_with(path: Path, end: bytes) -> bool:
 
 
 def check_folder(folder: Path, info: DatasetInfo) -> None:
-    """Refuse a folder that cannot take a dataset: a file, or a folder with another dataset.
+    """Refuse what cannot take a dataset: a file, a folder with another, or with what is not ours.
+
+    ``dataset.json`` is the first file to be written, so that a run killed at any moment goes on.
 
     Raises
     ------
     DatasetError
         Nothing was changed.
     """
-    if folder.exists() and not folder.is_dir():
-        raise DatasetError(f"expected a folder at {folder}, found a file; choose another --out")
+    check_place(folder)
     if not (folder / FILE_NAME).exists():
+        check_empty(folder, "a dataset that rvbench made")
         return
     there = read_info(folder)
     version = read_json_table(folder / FILE_NAME)["version"]

@@ -12,14 +12,6 @@ from dataclasses import replace
 from importlib.metadata import version
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from models.atomic_file import write_text
 from models.dataset.frame_table import FrameEntry
@@ -34,6 +26,7 @@ from renders.batches.dataset_writer import (
     recorded_entries,
 )
 from renders.batches.public_half import dataset_info, public_files
+from renders.batches.render_progress import render_progress
 from renders.batches.replay import light_record, lit_otherwise, needed_keys, read_depth
 from renders.batches.studio import Studio, start_renderer
 from renders.detector.compose import compose
@@ -134,13 +127,13 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     claim = Claim(info.case, info.sun, request.out, needed, every - needed)
     to_come = frozenset[str]().union(*(shaping[e] for e in left))
     claimed = store.claimed(claim, to_come) if uses_store else nullcontext()
-    with _progress(console) as progress, claimed:
-        for exposure in progress.track(left, total=len(left), description="render"):
+    with render_progress(console) as track, claimed:
+        for exposure in track(left, "render"):
             store.room.take_in_hand(shaping[exposure])
             entry = _entry(control, writer, exposure.frame)
             _render_exposure(studio, writer, exposure, poses[exposure], entry.exposure_ms)
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
-            for exposure in progress.track(there, total=len(there), description="light"):
+            for exposure in track(there, "light"):
                 store.room.take_in_hand(shaping[exposure])
                 studio.light(exposure, poses[exposure])
     _entry(control, writer, info.frames - 1)
@@ -196,15 +189,3 @@ def _put_pixel_truth(
     writer.write_pixel_truth(*place, studio.pixel_truth(cam_from_target), key)
     if studio.kept.keeps_whole(exposure.frame):
         studio.store.take(key, writer.geometry_path(*place))
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-    )

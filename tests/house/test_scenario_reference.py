@@ -1,10 +1,14 @@
 """The reference of a scenario's keys is that of its tables, and leaves none unexplained."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
-from bench.scenario_reference import PLACE, reference
-from renders.scenario.scenario import Scenario
+import tomli_w
+
+from bench.scenario_reference import EXAMPLE, PLACE, reference
+from renders.scenario.scenario import Scenario, read_scenario
 from renders.scenario.table import Table
+from tests.support.own_scenario import OWN_MARKERS, pose_lines
 
 
 def leaves(table: Table, within: str = "") -> Iterator[str]:
@@ -40,3 +44,17 @@ def test_units_and_ranges_are_those_of_the_keys() -> None:
         "| `bits` | whole number |  | `12` | from 8 to 16 | of the converter |",
     ):
         assert row in text
+
+
+def test_its_example_can_be_used(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(EXAMPLE)
+    (tmp_path / "markers.toml").write_text(tomli_w.dumps(OWN_MARKERS))
+    lines = pose_lines(3)
+    (tmp_path / "poses.csv").write_text("\n".join(lines))
+    scenario = read_scenario(tmp_path / "mine.toml")
+    assert (scenario.motion_kind, scenario.frame_kind) == ("poses", "pairs")
+    assert len(scenario.times_s) == 3
+    assert scenario.told is not None
+    text = reference()
+    assert EXAMPLE in text
+    assert lines[0] in text

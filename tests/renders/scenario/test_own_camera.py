@@ -111,7 +111,7 @@ def test_a_camera_file_lies_beside_the_scenario(tmp_path: Path) -> None:
         ({"rendered_width": 480}, "without width and height"),
         (without(fx=0.0), "expected camera.fx from 1 to 1e+06"),
         (without(height=1200.5), "expected camera.height to be a whole number"),
-        (without(k1=-3.0), "one-to-one"),
+        (without(k1=-3.0), "is one-to-one"),
         ({"file": "absent.toml"}, "absent.toml"),
         ({"file": "absent.toml", "fx": 2000.0}, "camera.file alone"),
     ],
