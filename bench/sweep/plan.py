@@ -142,7 +142,7 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         threads=request.threads,
     )
     scenario = resolve(asked)
-    if request.width is None and scenario.camera.width > DEFAULT_WIDTH_PX:
+    if request.width is None and scenario.simulated_camera.width > DEFAULT_WIDTH_PX:
         scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
     check_option("--marker-samples", request.marker_samples, 1, MOST_MARKER_SAMPLES, whole=True)
     check_option("--memory-gb", request.memory_gb, 0.0, MOST_MEMORY_GB)

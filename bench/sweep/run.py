@@ -179,7 +179,7 @@ def about(result: SweepResult) -> dict[str, Any]:
     return {
         "case": result.plan.scenario.name,
         "target": result.plan.scenario.target,
-        "width": result.plan.scenario.camera.width,
+        "width": result.plan.scenario.simulated_camera.width,
         "samples": result.plan.scenario.render.samples,
         "marker_samples": result.plan.scenario.render.marker_samples,
         "suns": len(result.plan.suns),

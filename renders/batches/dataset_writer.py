@@ -23,7 +23,9 @@ from models.dataset.description import (
 )
 from models.dataset.frame_table import FrameEntry, frames_to_csv, read_frame_entries
 from models.dataset.image_file import encode_image
+from models.dataset.marker_file import markers_to_toml
 from models.errors import DatasetError
+from models.markers import MarkerPattern
 from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
 from renders.store.radiance_store import KEY, RadianceStore
@@ -117,6 +119,8 @@ class DatasetWriter:
         The exposures of a frame, in order of time.
     clock : ToldClock
         That on board, by which ``frames.csv`` goes.
+    installed : MarkerPattern or None
+        The markers as they are, where those on board are told otherwise.
     """
 
     folder: Path
@@ -127,6 +131,7 @@ class DatasetWriter:
     scenario_toml: str
     bands: tuple[int, ...]
     clock: ToldClock = EXACT_CLOCK
+    installed: MarkerPattern | None = None
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -146,6 +151,8 @@ class DatasetWriter:
             "truth/parts.json": json.dumps(self.labels) + "\n",
             "truth/scenario.toml": self.scenario_toml,
         }
+        if self.installed is not None:
+            texts["truth/markers.toml"] = markers_to_toml(self.installed)
         for name, text in texts.items():
             write_text(self.folder / name, text)
         self.write_frames()

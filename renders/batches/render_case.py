@@ -39,6 +39,7 @@ from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
+from renders.world.told import markers_are_told_otherwise
 from renders.world.world import World
 
 
@@ -75,9 +76,16 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     from renders.tracing.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
-    toml, clock = world.scenario.to_toml(), world.clock(0)
     writer = DatasetWriter(
-        request.out, info, known, control.entries, labels, toml, world.bands, clock
+        request.out,
+        info,
+        known,
+        control.entries,
+        labels,
+        world.scenario.to_toml(),
+        world.bands,
+        world.clock(0),
+        world.target.markers if markers_are_told_otherwise(world.scenario.told) else None,
     )
     poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
     is_there = {e: writer.has_exposure(e.frame, e.band) for e in world.exposures}

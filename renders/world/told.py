@@ -181,3 +181,8 @@ def quantities(table: ToldTable) -> Iterator[tuple[str, str, Difference | Vector
             difference = getattr(inner, key)
             if difference is not None:
                 yield name, key, difference
+
+
+def markers_are_told_otherwise(table: ToldTable | None) -> bool:
+    """Tell whether the markers on board are others than those that are rendered."""
+    return table is not None and table.markers is not None

@@ -195,7 +195,7 @@ def judged_image(
     keeps_state : bool
         Whether that is its state's, and not the image's own.
     """
-    error = navigation_error(said, was.state, knowledge.cam_from_lvlh)
+    error = navigation_error(said, was.state, knowledge.cam_from_lvlh, was.cam_from_target)
     pose: RigidTransform | None = None
     position_m = attitude_deg = confusion = None
     squares: tuple[tuple[float | None, int], ...] = ()
