@@ -8,12 +8,12 @@ from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.match import Match, Solution
-from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.consistency import common_variance_px2, find_outliers
 from pipelines.pnp.covariance import pose_covariance, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose
+from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.problem import PnpProblem
+from pipelines.pnp.solver_options import MatchOptions
 
 REWEIGHTINGS = 2
 
@@ -26,7 +26,7 @@ def residuals_px(
 
 
 def _problem(
-    camera: Camera, markers: MarkerPattern, match: Match, options: ChaserFixedOptions
+    camera: Camera, markers: MarkerPattern, match: Match, options: MatchOptions
 ) -> PnpProblem:
     points = markers.points_in_target[match.marker]
     if options.solver.parametrisation == "euler_321":
@@ -40,7 +40,7 @@ def solve_match(
     match: Match,
     start: RigidTransform,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> Solution | str:
     """Solve for the pose.
 
@@ -53,7 +53,7 @@ def solve_match(
         Guess of ``cam_from_target``.
     radius_px : float, px
         Expected radius of a marker's image.
-    options : ChaserFixedOptions
+    options : MatchOptions
 
     Returns
     -------
@@ -88,7 +88,7 @@ def _reweighted(
     match: Match,
     used: Mask,
     pose: RigidTransform,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> tuple[Match, RigidTransform]:
     """Widen the covariances where the residuals ask for it, and solve again."""
     wider = match
@@ -111,7 +111,7 @@ def _checked(
     problem: PnpProblem,
     pose: RigidTransform,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> Solution | str:
     left = residuals_px(camera, markers, match, pose)[used]
     if not np.isfinite(left).all():
@@ -136,7 +136,7 @@ def _measured_scale(
     problem: PnpProblem,
     pose: RigidTransform,
     covariance: Floats,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> tuple[Floats, Match]:
     """Without weights the residuals alone tell what a centroid is worth (Gavin 2020, eq. 20)."""
     focal_px = 0.5 * (camera.fx + camera.fy)
