@@ -11,13 +11,13 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.match import Match
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
 from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.pair_alignment import AlignedPatch, aligned_patch
+from pipelines.pnp.match import Match
 
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0

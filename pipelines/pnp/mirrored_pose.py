@@ -13,8 +13,8 @@ from scipy.stats import chi2
 
 from models.arrays import Floats
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.match import Solution
-from pipelines.tracking.motion_prediction import PredictedPose
+from pipelines.pnp.match import Solution
+from pipelines.pnp.predicted_pose import PredictedPose
 
 NEARLY_PLANE = 0.1  # relief over the lesser extent; with more, the mirrored pose never fits
 DECISIVE_CHI2 = 13.8  # likelihoods a thousand to one

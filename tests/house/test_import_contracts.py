@@ -35,7 +35,22 @@ PLANTED = {
         "from renders import truth",
         "pipelines.chaser_fixed.pipeline -> renders.truth.exposure_truth",
     ),
-    "pipelines/run.py": ("import bench.scoring.score", "pipelines.run -> bench.scoring.score"),
+    "pipelines/registry.py": (
+        "import bench.scoring.score",
+        "pipelines.registry -> bench.scoring.score",
+    ),
+    "pipelines/pnp/match.py": (
+        "import pipelines.chaser_fixed.options",
+        "pipelines.pnp.match -> pipelines.chaser_fixed.options",
+    ),
+    "pipelines/detection/blobs.py": (
+        "import pipelines.tracking.point_fit",
+        "pipelines.detection.blobs -> pipelines.tracking.point_fit",
+    ),
+    "pipelines/chaser_fixed/knowledge.py": (
+        "import pipelines.uncooperative.options",
+        "pipelines.chaser_fixed.knowledge -> pipelines.uncooperative.options",
+    ),
     "renders/truth/exposure_truth.py": (
         "import pipelines.chaser_fixed.options",
         "renders.truth.exposure_truth -> pipelines.chaser_fixed.options",
@@ -91,7 +106,7 @@ def test_each_planted_breach_is_named(copied_house):
 @pytest.mark.parametrize(
     ("place", "line"),
     [
-        ("pipelines/run.py", "import renders.truth.exposure_truth"),
+        ("pipelines/registry.py", "import renders.truth.exposure_truth"),
         ("models/pose.py", "import mitsuba"),
     ],
 )
