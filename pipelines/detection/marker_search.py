@@ -83,7 +83,7 @@ def region_half_sizes_px(
     Parameters
     ----------
     predicted : PredictedMarkers
-    options : ChaserFixedOptions
+    options : DetectionOptions
     growth : float
         Factor on what is added to the disc's own image, more after lost frames.
     """
@@ -101,7 +101,7 @@ def marker_regions(
     ----------
     camera : Camera
     predicted : PredictedMarkers
-    options : ChaserFixedOptions
+    options : DetectionOptions
     growth : float
         Factor on what is added to the disc's own image, more after lost frames.
     """
@@ -136,7 +136,7 @@ def search(
     detector : Detector
     predicted : PredictedMarkers
     regions : list of Region
-    options : ChaserFixedOptions
+    options : DetectionOptions
     """
     parts = [
         detect_in_region(pair, detector, region, predicted.radii_px, options) for region in regions
