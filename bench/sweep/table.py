@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import sys
 import types
 import typing
 from dataclasses import asdict, dataclass, fields
@@ -29,7 +30,7 @@ from renders.truth.exposure_truth import ExposureTruth
 
 TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 1
 HALF = 0.5
-LARGEST = 1e15  # of any number in the table
+LARGEST = sys.float_info.max  # any number that is one
 MOST_COUNTED = 1_000_000
 
 Verdict: TypeAlias = Literal["all found", "some missed", "no pose"]
@@ -248,5 +249,5 @@ def _row(record: Fields) -> Row:
         elif name == "verdict":
             values[name] = record.choice(name, VERDICTS)
         else:
-            values[name] = record.text(name, MOST_PROSE)
+            values[name] = record.text(name, MOST_PROSE, lines=True)
     return Row(**values)

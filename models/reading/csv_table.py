@@ -68,7 +68,8 @@ def read_csv(
         If it is no regular file, too large, no UTF-8, without that header, or has a row of another
         length.
     """
-    reader = csv.reader(read_lines(path, most_bytes, MOST_ROW_CHARACTERS), strict=True)
+    lines = read_lines(path, most_bytes, MOST_ROW_CHARACTERS)
+    reader = csv.reader((line + "\n" for line in lines), strict=True)  # a cell may have lines
     try:
         header = next(reader, [])
         _check_header(path, header, columns, optional)
