@@ -1,9 +1,9 @@
-"""The bench from Python: six functions, which the command line only wraps.
+"""The bench from Python: functions that the command line only wraps.
 
 >>> from pathlib import Path
 >>> from bench import api
 >>> score = api.run("maxar-demo", Path("out/demo"), sun="S4")  # doctest: +SKIP
->>> score["pipelines"]["best"]["position_error_mm"]["median"]  # doctest: +SKIP
+>>> score["pipelines"]["best"]["core"]["position_error_mm"]["median"]  # doctest: +SKIP
 
 Each loads what it needs when it is called: ``estimate`` knows no renderer and no truth, ``score``
 and ``report`` load no Mitsuba.
@@ -12,6 +12,7 @@ and ``report`` load no Mitsuba.
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
@@ -51,7 +52,7 @@ class SweepOptions(TypedDict, total=False):
     suns: tuple[str, ...]
     exposure_ms: tuple[float, ...]
     lamp_w_sr: tuple[float, ...]
-    pipeline: Literal["best", "paper", "both"]
+    pipeline: str
     width: int | None
     spp: int | None
     marker_samples: int | None
@@ -88,70 +89,78 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     render_case(RenderRequest(case=case, out=out, seeds=seeds, **options))
 
 
-def holds_images(folder: Path) -> bool:
-    """Tell whether a dataset holds single images of a free target, and not pairs with markers."""
-    from models.dataset.dataset import read_format
-    from models.dataset.image_dataset import FORMAT
-
-    return read_format(folder) == FORMAT
-
-
-def estimate(folder: Path, threads: int | None = None) -> list[Path]:
-    """Run both pipeline variants on a dataset's public half.
+def estimate(
+    folder: Path,
+    threads: int | None = None,
+    pipelines: Sequence[str] = (),
+    time_limit_s: float | None = None,
+) -> list[Path]:
+    """Run pipelines on a dataset's public half.
 
     Parameters
     ----------
     folder : Path
-        Of pairs (see ``bench.estimating.estimation``) or of single images
-        (``bench.estimating.image_estimation``), from which the target is also acquired at starts
-        spread over the run.
     threads : int, optional
-        Processes that try the starts; as many as there are cores unless given.
+        Processes for what a chain tries beside the run, such as starts without a prior; as many
+        as there are cores unless given.
+    pipelines : sequence of str
+        Labels or names, such as ``best``; unless given, all variants of the chain's own and every
+        installed pipeline that the dataset's streams suit.
+    time_limit_s : float, optional, s
+        Most that a pipeline may take for a frame; a frame that takes longer is lost. Other
+        packages' pipelines have a minute unless it is given.
 
     Returns
     -------
     list of Path
         The files written.
+
+    Raises
+    ------
+    RvbenchError
+        If the dataset cannot be read, or a pipeline asked for is not there.
     """
-    if not holds_images(folder):
-        from bench.estimating.estimation import estimate_dataset
+    from bench.estimating.estimation import estimate_dataset
 
-        return estimate_dataset(folder)
-    from bench.estimating.image_estimation import estimate_image_dataset
-    from bench.estimating.starts import try_starts
-
-    return [
-        *estimate_image_dataset(folder),
-        *try_starts(folder, workers=min(threads or cores(), cores())),
-    ]
+    workers = min(threads or cores(), cores())
+    return estimate_dataset(folder, pipelines, time_limit_s, workers)
 
 
 def score(folder: Path) -> dict[str, Any]:
-    """Score the estimates of a dataset into ``score.json``.
-
-    See ``bench.scoring.score`` for pairs and ``bench.scoring.tumble_score`` for single images.
-    """
-    if holds_images(folder):
-        from bench.scoring.tumble_score import score_tumble
-
-        return score_tumble(folder)
+    """Score the estimates of a dataset into ``score.json``; see ``bench.scoring.score``."""
     from bench.scoring.score import score_dataset
 
     return score_dataset(folder)
 
 
 def report(folder: Path) -> Path:
-    """Write ``report.html`` of a scored dataset; see ``bench.report``.
-
-    Of single images see ``bench.uncooperative``.
-    """
-    if holds_images(folder):
-        from bench.report.tumble_page import write_tumble_report
-
-        return write_tumble_report(folder)
+    """Write ``report.html`` of a scored dataset; see ``bench.report.page``."""
     from bench.report.page import write_report
 
     return write_report(folder)
+
+
+def show(folder: Path, frame: int, out: Path, variant: str = "best") -> Path:
+    """Draw one frame of a dataset into a PNG file, with estimate and truth.
+
+    Parameters
+    ----------
+    folder : Path
+    frame : int
+    out : Path
+        The picture.
+    variant : str
+        Whose estimates.
+
+    Returns
+    -------
+    Path
+        The picture.
+    """
+    from bench.pictures.show import write_frame
+
+    write_frame(folder, frame, out, variant)
+    return out
 
 
 def cores() -> int:

@@ -111,7 +111,7 @@ class Run(Render):
     def run(self) -> int:
         """Do the whole job."""
         scored = api.run(self.case, self.out, seeds=self.seeds, **self.options())
-        _print_summary(self.out, scored)
+        _print_summary(scored)
         print(f"score:  {self.out / 'score.json'}")
         print(f"report: {(self.out / 'report.html').resolve()}")
         return DONE
@@ -119,12 +119,13 @@ class Run(Render):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Run both pipeline variants on a dataset, or on anybody's image pairs.
+    """Run pipelines on a dataset, or on anybody's image pairs.
 
         rvbench estimate out/demo
         rvbench estimate --frames pairs --camera camera.toml --target maxar1300
 
-    Image pairs are NAME_800.png and NAME_850.png, grey, 8 or 16 bits, taken in order of name.
+    Image pairs are NAME_800.png and NAME_850.png (or .tif, or .jpg), grey, 8 or 16 bits, taken in
+    order of name.
     """
 
     folder: Positional[OptionalFolder] = None
@@ -143,6 +144,10 @@ class Estimate:
     """pairs a second, where the folder has no frames.csv"""
     out: OptionalFolder = None
     """where the estimates of image pairs go; else with the pairs"""
+    pipelines: Annotated[tuple[str, ...], arg(metavar="NAME", help_behavior_hint="")] = ()
+    """which pipelines; all that suit, other packages' too, unless given"""
+    time_limit_s: OptionalNumber = None
+    """most that a pipeline may take for a frame, in s; longer, and the frame is lost"""
 
     def run(self) -> int:
         """Estimate."""
@@ -154,7 +159,11 @@ class Estimate:
             )
         if self.folder is not None:
             self._refuse_options_of_pairs()
-        paths = self._pairs() if self.folder is None else api.estimate(self.folder)
+        paths = (
+            self._pairs()
+            if self.folder is None
+            else api.estimate(self.folder, pipelines=self.pipelines, time_limit_s=self.time_limit_s)
+        )
         for path in paths:
             print(f"estimates: {path}")
         return DONE
@@ -163,7 +172,8 @@ class Estimate:
         typed = [
             f"--{field.name.replace('_', '-')}"
             for field in fields(self)
-            if field.name != "folder" and getattr(self, field.name) != field.default
+            if field.name not in ("folder", "pipelines", "time_limit_s")
+            and getattr(self, field.name) != field.default
         ]
         if typed:
             raise ScenarioError(
@@ -190,6 +200,8 @@ class Estimate:
             detector=self.detector,
             rate_hz=self.rate_hz,
             out=self.out or self.frames,
+            pipelines=self.pipelines,
+            limit_s=self.time_limit_s,
         )
 
 
@@ -213,7 +225,7 @@ class Score:
         """Score."""
         check_option("--fail-above-mm", self.fail_above_mm, 0.0, MOST_LIMIT_MM)
         scored = api.score(self.folder)
-        _print_summary(self.folder, scored)
+        _print_summary(scored)
         print(f"score: {self.folder / 'score.json'}")
         if self.fail_above_mm is None:
             return DONE
@@ -261,16 +273,13 @@ class Show:
 
     def run(self) -> int:
         """Draw and write the picture."""
-        from bench.pictures.show import write_frame, write_picture
+        from bench.pictures.our_picture import check_picture_place
 
         name = f"{self.frame:06d}_{self.variant}.png"
         out = self.out or self.folder / "show" / name
-        if api.holds_images(self.folder):
-            from bench.pictures.image_show import show_image
-
-            write_picture(show_image(self.folder, self.frame, self.variant), out)
-        else:
-            write_frame(self.folder, self.frame, out, self.variant)
+        if self.out is not None:
+            check_picture_place(self.out)
+        api.show(self.folder, self.frame, out, self.variant)
         print(f"picture: {out}")
         return DONE
 
@@ -298,29 +307,21 @@ class Doctor:
         return doctor()
 
 
-def _print_summary(folder: Path, scored: dict[str, object]) -> None:
-    if api.holds_images(folder):
-        from bench.report.tumble_summary import print_tumble_summary
-
-        print_tumble_summary(plain_console(), scored)
-        return
+def _print_summary(scored: dict[str, Any]) -> None:
+    from bench.chains.catalogue import chain_named
     from bench.report.summary import print_summary
 
-    print_summary(plain_console(), scored)
+    print_summary(plain_console(), scored, chain_named(scored["chain"]).headline(scored))
 
 
 def _verdict(scored: dict[str, Any], limit_mm: float) -> int:
-    variant = "best" if "best" in scored["pipelines"] else next(iter(scored["pipelines"]))
-    row = scored["pipelines"][variant]
-    if "position_m" in row:  # a free target's
-        p95_m, missed = row["position_m"]["p95"], row["lost"]
-        p95_mm = None if p95_m is None else 1e3 * p95_m
-    else:
-        p95_mm, missed = row["position_error_mm"]["p95"], row["lost"]["missed"]
+    label = "best" if "best" in scored["pipelines"] else next(iter(scored["pipelines"]))
+    core = scored["pipelines"][label]["core"]
+    p95_mm, missed = core["position_error_mm"]["p95"], core["lost"]["missed"]
     if p95_mm is None or p95_mm > limit_mm or missed:
         said = "no pose at all" if p95_mm is None else f"{p95_mm:.3g} mm"
         print(
-            f"worse than asked: {variant} has a 95th percentile of {said} against "
+            f"worse than asked: {label} has a 95th percentile of {said} against "
             f"{limit_mm:g} mm, and {missed} missed frames"
         )
         return WORSE

@@ -1,136 +1,148 @@
-"""What a pipeline may see, and nothing else: the first brick of the truth wall."""
+"""What a pipeline may see, and nothing else: the first brick of the truth wall.
+
+A frame is what the sensors have given since the last one: readings by stream. A stream is one
+sensor's: images of one band, rows of a table, or what another pipeline has estimated.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
 from models.arrays import Floats, Image
-from models.camera import Camera
 from models.errors import DatasetError
-from models.pose import RigidTransform
-from models.sensors.camera_chip import Detector
+from models.estimate import Estimate
 
-UNIT_TOLERANCE = 1e-6  # a normal typed with seven digits passes
+IMAGE_800, IMAGE_850 = "image_800", "image_850"
+IMAGE = "image"
+POINTS = "points"
+CHASER_ORBIT = "chaser_orbit"
+"""The streams of the house. A chain of another package names its own."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class ImageReading:
+    """One image.
+
+    Attributes
+    ----------
+    image : (height, width) uint16 array, DN
+    time_s : float, s
+        Middle of the exposure, by the clock on board.
+    exposure_ms : float, ms
+    """
+
+    image: Image
+    time_s: float
+    exposure_ms: float
+
+    def __post_init__(self) -> None:
+        if self.image.ndim != 2 or self.image.dtype != np.uint16:
+            raise DatasetError(
+                "expected an image as a (height, width) uint16 array, "
+                f"got shape {self.image.shape} of {self.image.dtype}"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class TableReading:
+    """Rows that a sensor gave since the last frame, each with its time.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Names of the numbers, unit at the end: ``range_m``.
+    time_s : (n,) array, s
+        By the clock on board.
+    rows : (n, len(columns)) array
+    """
+
+    columns: tuple[str, ...]
+    time_s: Floats
+    rows: Floats
+
+    def __post_init__(self) -> None:
+        expected = (len(self.time_s), len(self.columns))
+        if self.rows.shape != expected or self.time_s.ndim != 1:
+            raise DatasetError(
+                f"expected rows of shape {expected}, one for each time and with the columns "
+                f"{', '.join(self.columns)}, got {self.rows.shape}"
+            )
+
+    def column(self, name: str) -> Floats:
+        """Return the numbers of one column, (n,)."""
+        if name not in self.columns:
+            raise DatasetError(
+                f"expected a column {name!r}, got a table of {', '.join(self.columns)}"
+            )
+        return self.rows[:, self.columns.index(name)]
+
+
+Reading: TypeAlias = ImageReading | TableReading | Estimate
+Kind = TypeVar("Kind", ImageReading, TableReading, Estimate)
+NAMES = {ImageReading: "an image", TableReading: "a table", Estimate: "an estimate"}
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
-    """One image pair, as a flight computer gets it.
+    """The readings of all streams since the last frame, as a flight computer gets them.
 
     Attributes
     ----------
     index : int
         Number of the frame in its dataset.
     time_s : float, s
-        Middle of the 850 nm exposure, to which an estimate is stamped.
-    image_800, image_850 : (height, width) uint16 arrays, DN
-        The pair, 800 nm lamps first.
-    exposure_ms : float, ms
-        Exposure time of both images.
+        To which an estimate is stamped, by the clock on board.
+    readings : mapping of str to ImageReading, TableReading or Estimate
+        By stream; a stream that gave nothing is absent.
     """
 
     index: int
     time_s: float
-    image_800: Image
-    image_850: Image
-    exposure_ms: float
+    readings: Mapping[str, Reading]
 
-    def __post_init__(self) -> None:
-        for name in ("image_800", "image_850"):
-            image = getattr(self, name)
-            if image.ndim != 2 or image.dtype != np.uint16:
-                raise DatasetError(
-                    f"frame {self.index}: expected {name} as a (height, width) uint16 image, "
-                    f"got shape {image.shape} of {image.dtype}"
-                )
-        if self.image_800.shape != self.image_850.shape:
+    def image(self, stream: str) -> ImageReading:
+        """Return the image of a stream.
+
+        Raises
+        ------
+        DatasetError
+            If the frame has none of that name.
+        """
+        return self._reading(stream, ImageReading)
+
+    def table(self, stream: str) -> TableReading:
+        """Return the rows of a stream.
+
+        Raises
+        ------
+        DatasetError
+            If the frame has none of that name.
+        """
+        return self._reading(stream, TableReading)
+
+    def estimate(self, stream: str) -> Estimate:
+        """Return what another pipeline last estimated.
+
+        Raises
+        ------
+        DatasetError
+            If the frame has none of that name.
+        """
+        return self._reading(stream, Estimate)
+
+    def _reading(self, stream: str, kind: type[Kind]) -> Kind:
+        reading = self.readings.get(stream)
+        if not isinstance(reading, kind):
+            there = ", ".join(
+                f"{name} ({NAMES.get(type(each), 'something else')})"
+                for name, each in self.readings.items()
+            )
             raise DatasetError(
-                f"frame {self.index}: expected two images of one size, "
-                f"got {self.image_800.shape} at 800 nm and {self.image_850.shape} at 850 nm"
+                f"frame {self.index}: expected {NAMES[kind]} of the stream {stream!r}, "
+                f"got {there or 'no reading at all'}"
             )
-
-
-@dataclass(frozen=True)
-class MarkerPattern:
-    """The known markers of a target.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Marker names, as the papers number them.
-    points_in_target : (n, 3) array, m
-        Centres.
-    normals_in_target : (n, 3) array
-        Unit outward normals.
-    radius_m : float, m
-        Radius of every disc.
-
-    Raises
-    ------
-    ValueError
-        If a shape is wrong, a name comes twice, a normal has not length one, the radius is not
-        positive or a value is not finite.
-    """
-
-    names: tuple[str, ...]
-    points_in_target: Floats
-    normals_in_target: Floats
-    radius_m: float
-
-    def __post_init__(self) -> None:
-        shape = (len(self.names), 3)
-        if self.points_in_target.shape != shape or self.normals_in_target.shape != shape:
-            raise ValueError(
-                f"expected {len(self.names)} points and normals of shape {shape}, got "
-                f"{self.points_in_target.shape} and {self.normals_in_target.shape}"
-            )
-        if len(set(self.names)) < len(self.names):
-            raise ValueError(f"expected each marker's name once, got {', '.join(self.names)}")
-        if not np.isfinite(self.points_in_target).all() or not 0.0 < self.radius_m < np.inf:
-            raise ValueError(
-                "expected finite points and a radius in m above zero, "
-                f"got a radius of {self.radius_m} and points {self.points_in_target.tolist()}"
-            )
-        lengths = np.linalg.norm(self.normals_in_target, axis=1)
-        if not (np.abs(lengths - 1.0) <= UNIT_TOLERANCE).all():
-            raise ValueError(f"expected normals of length one, got lengths {lengths.tolist()}")
-
-    def __len__(self) -> int:
-        return len(self.names)
-
-    @property
-    def min_separation_m(self) -> float:
-        """Distance between the two nearest markers, m; infinite where there is but one."""
-        gaps = np.linalg.norm(
-            self.points_in_target[:, None] - self.points_in_target[None, :], axis=-1
-        )
-        return float(gaps[np.triu_indices(len(self), 1)].min(initial=np.inf))
-
-
-@dataclass(frozen=True)
-class FlightKnowledge:
-    """What is loaded on board before the first frame.
-
-    Attributes
-    ----------
-    camera : Camera
-        As calibrated, not as simulated.
-    detector : Detector
-        Gain, bias, read noise and full well, as calibrated.
-    markers : MarkerPattern
-        As surveyed, not as installed.
-    prior : RigidTransform
-        ``cam_from_target`` at the first frame, as drawn.
-    prior_sigma_m : (3,) array, m
-    prior_sigma_deg : (3,) array, deg
-        The prior's 1-sigma in translation and in (alpha, beta, gamma).
-    """
-
-    camera: Camera
-    detector: Detector
-    markers: MarkerPattern
-    prior: RigidTransform
-    prior_sigma_m: Floats
-    prior_sigma_deg: Floats
+        return reading

@@ -60,7 +60,17 @@ def make_material(name: str, table: dict[str, float]) -> Any:
 
 
 def make_mesh(name: str, vertices: Any, faces: Any, normals: Any, material: Any) -> Any:
-    """Return an object of triangles, flat or with vertex normals."""
+    """Return an object of triangles, flat or with vertex normals.
+
+    Parameters
+    ----------
+    name : str
+    vertices : (n, 3) array, m
+    faces : (f, 3) array of int
+    normals : (n, 3) array, or None
+        None is flat.
+    material : bpy material
+    """
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(vertices))
     mesh.vertices.foreach_set("co", vertices.ravel())

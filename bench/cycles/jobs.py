@@ -196,7 +196,20 @@ def effort(
     processor_s: float,
     peak_mib: float,
 ) -> Effort:
-    """Return what a process took from its clock: (event, time of day, processor time) readings."""
+    """Return what a process took from its clock.
+
+    Parameters
+    ----------
+    clock : sequence of (str, float, float), s
+        (event, time of day, processor time) readings, in order: imported, ready, then rendered and
+        written for each image.
+    started : float, s
+        Time of day at which the process was started.
+    whole_s, processor_s : float, s
+        Of the whole process, as its parent saw it.
+    peak_mib : float, MiB
+        Most memory at once.
+    """
     at = {event: moment for event, moment, _ in clock[:2]}
     rendered, worked = [], []
     for (_, before, spent), (event, moment, work) in pairwise(clock[1:]):
@@ -219,6 +232,11 @@ def read_radiance(path: Path, suns: Sequence[str]) -> dict[str, Radiance]:
 
     Cycles calls them ``R`` where there is one and ``ViewLayer.Combined_NAME.R`` where there are
     light groups; ours is the name itself.
+
+    Returns
+    -------
+    dict of str to (height, width) arrays, W m-2 sr-1
+        By Sun.
 
     Raises
     ------

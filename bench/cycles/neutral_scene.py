@@ -99,7 +99,13 @@ class NeutralScene:
         return replace(self, suns=suns)
 
     def write(self, folder: Path) -> None:
-        """Write the scene into a folder, which is made."""
+        """Write the scene into a folder, which is made.
+
+        Raises
+        ------
+        ValueError
+            If the camera is distorted or its pixels are not square.
+        """
         if self.camera.distorted or self.camera.fx != self.camera.fy:
             raise ValueError("expected a pinhole camera with square pixels, got a distorted one")
         folder.mkdir(parents=True, exist_ok=True)

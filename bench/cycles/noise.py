@@ -21,6 +21,10 @@ def relative_mse(image: Radiance, reference: Radiance) -> float:
 
     Each pixel's squared error is divided by the square of the reference (Rousselle et al. 2011,
     ACM TOG 30, 159, section 6), with a floor; the brightest 0.1 % of that error image is trimmed.
+
+    Parameters
+    ----------
+    image, reference : (height, width) arrays, W m-2 sr-1
     """
     floor = FLOOR * float(reference.mean(dtype=np.float64))
     error = image.astype(np.float64) - reference
@@ -33,6 +37,10 @@ def whole_frame_mse(image: Radiance, reference: Radiance) -> float:
     """Return the error's energy over the reference's, less the brightest 0.1 % of the pixels.
 
     The other reading of a relative mean squared error: here highlights count, shadows do not.
+
+    Parameters
+    ----------
+    image, reference : (height, width) arrays, W m-2 sr-1
     """
     brightness = np.maximum(image, reference)
     kept = brightness <= np.quantile(brightness, 1.0 - TRIMMED)

@@ -96,9 +96,26 @@ def plate_scene() -> NeutralScene:
 def render_both(
     scene: NeutralScene, samples: int, seeds: int, folder: Path
 ) -> tuple[dict[str, list[Radiance]], dict[str, list[Radiance]], dict[str, AnyArray]]:
-    """Render every Sun of a scene on its own, by both; return ours, theirs, and our truth.
+    """Render every Sun of a scene on its own, by both.
 
     Ours shares one pass between the Suns, as it would for a user.
+
+    Parameters
+    ----------
+    scene : NeutralScene
+    samples : int
+        Per pixel.
+    seeds : int
+        Images of each Sun by each side, seeded 0, 1, ...
+    folder : Path
+        For scene, jobs and images.
+
+    Returns
+    -------
+    ours, theirs : dict of str to list of (height, width) arrays, W m-2 sr-1
+        By Sun, one image a seed.
+    truth : dict of str to (height, width) or (height, width, 3) arrays
+        As ``OurRenderer.truth`` names it.
     """
     scene.write(folder / "scene")
     names = tuple(sun.name for sun in scene.suns)
@@ -139,7 +156,18 @@ def check_plate(folder: Path) -> list[PlateVerdict]:
 
 
 def check_maxar(size_px: int, samples: int, seeds: int, folder: Path) -> list[SunVerdict]:
-    """Compare the two renderers on the Maxar target, and save their pictures side by side."""
+    """Compare the two renderers on the Maxar target, and save their pictures side by side.
+
+    Parameters
+    ----------
+    size_px : int, px
+        Width and height.
+    samples : int
+        Per pixel.
+    seeds : int
+        Images of each Sun by each side.
+    folder : Path
+    """
     scene = maxar_scene(size_px, tuple(neutral_sun(name, sun_direction(name)) for name in SUNS))
     ours, theirs, truth = render_both(scene, samples, seeds, folder)
     kinds = {mesh.region: kind_of(scene.materials[mesh.material]) for mesh in scene.meshes}
@@ -167,7 +195,15 @@ def check_maxar(size_px: int, samples: int, seeds: int, folder: Path) -> list[Su
 
 
 def report(plate: list[PlateVerdict], suns: list[SunVerdict], settings: dict[str, int]) -> str:
-    """Return everything that was found as JSON."""
+    """Return everything that was found as JSON.
+
+    Parameters
+    ----------
+    plate : list of PlateVerdict
+    suns : list of SunVerdict
+    settings : dict of str to int
+        What was asked for.
+    """
     return json.dumps(
         {
             "settings": settings,

@@ -81,6 +81,15 @@ def print_regions(console: Console, sun: SunVerdict) -> None:
 
 
 def print_verdict(console: Console, agreed: bool, folder: Path) -> None:
-    """Print the outcome and where the pictures lie."""
+    """Print the outcome and where the pictures lie.
+
+    Parameters
+    ----------
+    console : Console
+    agreed : bool
+        Whether everything lies within its tolerance.
+    folder : Path
+        Of what was written.
+    """
     word = "rvbench and Cycles agree" if agreed else "[bold red]rvbench and Cycles differ[/]"
     console.print(f"{word}; numbers in {folder}/oracle.json, pictures in {folder}/maxar/")

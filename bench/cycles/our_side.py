@@ -67,7 +67,14 @@ def sun_group(sun: NeutralSun) -> SunGroup:
 
 
 def write_exr(path: Path, images: dict[str, Radiance]) -> None:
-    """Write radiance as float32 channels, uncompressed, as the other side does."""
+    """Write radiance as float32 channels, uncompressed, as the other side does.
+
+    Parameters
+    ----------
+    path : Path
+    images : dict of str to (height, width) arrays, W m-2 sr-1
+        By channel's name.
+    """
     header = {"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage}
     with OpenEXR.File(header, images) as file:
         file.write(str(path))
@@ -82,7 +89,20 @@ class OurRenderer:
         self.scene = self.geometry.scene()
 
     def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
-        """Render the Suns, all in one pass."""
+        """Render the Suns, all in one pass.
+
+        Parameters
+        ----------
+        suns : list of NeutralSun
+        samples : int
+            Per pixel.
+        seed : int
+
+        Returns
+        -------
+        dict of str to (height, width) arrays, W m-2 sr-1
+            By Sun.
+        """
         from renders.tracing.radiance import Sampling, render_radiance
         from renders.tracing.silhouette import pixels_in_view
 
@@ -160,7 +180,21 @@ class BareMitsuba:
         self.integrator = mi.load_dict(path)
 
     def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
-        """Render the one Sun that the scene has."""
+        """Render the one Sun that the scene has.
+
+        Parameters
+        ----------
+        suns : list of NeutralSun
+            One.
+        samples : int
+            Per pixel.
+        seed : int
+
+        Returns
+        -------
+        dict of str to (height, width) arrays, W m-2 sr-1
+            By Sun.
+        """
         import mitsuba as mi
 
         sampler = {"type": "stratified", "sample_count": samples}

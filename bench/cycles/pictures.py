@@ -15,7 +15,15 @@ DIFFERENCE_RANGE = 0.1  # of white, at the ends of the difference's scale
 
 
 def save_side_by_side(path: Path, name: str, ours: Radiance, theirs: Radiance) -> None:
-    """Save rvbench, Cycles and their difference as one PNG, the first two equally exposed."""
+    """Save rvbench, Cycles and their difference as one PNG, the first two equally exposed.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+        The Sun's.
+    ours, theirs : (height, width) arrays, W m-2 sr-1
+    """
     lit = theirs[theirs > 0.0]
     white = float(np.percentile(lit, WHITE_PERCENTILE)) if lit.size else 1.0
     figure = figures.Figure(figsize=(18.0, 6.6), layout="constrained")

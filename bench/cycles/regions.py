@@ -67,7 +67,17 @@ def kind_of(material: NeutralMaterial) -> str:
 
 
 def interiors(labels: Labels, rim_px: int = RIM_PX) -> dict[int, Mask]:
-    """Return the pixels of each label that lie more than ``rim_px`` inside it; 0 is space."""
+    """Return the pixels of each label that lie more than ``rim_px`` inside it; 0 is space.
+
+    Parameters
+    ----------
+    labels : (height, width) uint8 array
+    rim_px : int, px
+
+    Returns
+    -------
+    dict of int to (height, width) arrays of bool
+    """
     square = np.ones((3, 3), dtype=bool)
     return {
         int(label): ndimage.binary_erosion(labels == label, square, iterations=rim_px)
@@ -79,7 +89,15 @@ def interiors(labels: Labels, rim_px: int = RIM_PX) -> dict[int, Mask]:
 def region_means(
     name: str, region: Mask, ours: Sequence[Radiance], theirs: Sequence[Radiance]
 ) -> RegionMeans:
-    """Compare two renderers over a region, from two or more seeds of each."""
+    """Compare two renderers over a region, from two or more seeds of each.
+
+    Parameters
+    ----------
+    name : str
+    region : (height, width) array of bool
+    ours, theirs : sequences of (height, width) arrays, W m-2 sr-1
+        One image a seed, two or more.
+    """
     a, b = (
         np.array([float(image[region].mean()) for image in images]) for images in (ours, theirs)
     )

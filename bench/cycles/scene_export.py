@@ -8,8 +8,8 @@ import trimesh
 from bench.cycles.neutral_scene import NeutralMaterial, NeutralMesh, NeutralScene, NeutralSun
 from models.arrays import Floats
 from models.camera import Camera
-from models.frame import MarkerPattern
 from models.lights.sun import ANGULAR_DIAMETER_DEG, PASSBAND_IRRADIANCE_W_M2
+from models.markers import MarkerPattern
 from models.materials import MATERIALS
 from models.motion.approach import Approach
 from models.pose import RigidTransform
@@ -30,7 +30,14 @@ def neutral_material(name: str) -> NeutralMaterial:
 
 
 def neutral_sun(name: str, direction: Floats) -> NeutralSun:
-    """Return the Sun that the house's scenarios have, from a direction in the target frame."""
+    """Return the Sun that the house's scenarios have.
+
+    Parameters
+    ----------
+    name : str
+    direction : (3,) array
+        Unit, towards it, target frame.
+    """
     towards = (float(direction[0]), float(direction[1]), float(direction[2]))
     return NeutralSun(name, towards, PASSBAND_IRRADIANCE_W_M2, ANGULAR_DIAMETER_DEG)
 
@@ -81,7 +88,16 @@ def neutral_scene(
     cam_from_target: RigidTransform,
     suns: tuple[NeutralSun, ...],
 ) -> NeutralScene:
-    """Return a scene for both renderers; the markers' discs lose their retroreflection."""
+    """Return a scene for both renderers; the markers' discs lose their retroreflection.
+
+    Parameters
+    ----------
+    target : Spacecraft
+    chaser : Spacecraft or None
+    camera : Camera
+    cam_from_target : RigidTransform
+    suns : tuple of NeutralSun
+    """
     here = RigidTransform(np.eye(3), np.zeros(3))
     parts = target.parts
     if target.markers is not None:
@@ -97,7 +113,15 @@ def neutral_scene(
 
 
 def maxar_scene(size_px: int, suns: tuple[NeutralSun, ...], time_s: float = 0.0) -> NeutralScene:
-    """Return the Maxar target before the chaser of the papers' approach, ``time_s`` into it."""
+    """Return the Maxar target before the chaser of the papers' approach, ``time_s`` into it.
+
+    Parameters
+    ----------
+    size_px : int, px
+        Width and height.
+    suns : tuple of NeutralSun
+    time_s : float, s
+    """
     approach = Approach(pointing_accuracy_deg=0.0)
     return neutral_scene(
         spacecraft_by_name("maxar1300"),

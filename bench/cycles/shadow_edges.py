@@ -83,6 +83,15 @@ def edge_places(image: Radiance, edges: ShadowEdges) -> Floats:
     """Return where along its direction each edge lies in an image, px; NaN where it is unclear.
 
     A profile is clear if it has two flat levels, the lit one at least twice the dark one.
+
+    Parameters
+    ----------
+    image : (height, width) array, W m-2 sr-1
+    edges : ShadowEdges
+
+    Returns
+    -------
+    (n,) array, px
     """
     along = np.linspace(-REACH_PX, REACH_PX, 2 * round(REACH_PX / STEP_PX) + 1)
     places = edges.points_px[:, None, :] + along[None, :, None] * edges.directions[:, None, :]
@@ -124,7 +133,13 @@ class EdgeShifts:
 
 
 def edge_shifts(ours: Radiance, theirs: Radiance, edges: ShadowEdges) -> EdgeShifts:
-    """Compare where edges lie in two renders."""
+    """Compare where edges lie in two renders.
+
+    Parameters
+    ----------
+    ours, theirs : (height, width) arrays, W m-2 sr-1
+    edges : ShadowEdges
+    """
     shift = edge_places(ours, edges) - edge_places(theirs, edges)
     shift = shift[np.isfinite(shift)]
     if len(shift) == 0:

@@ -123,7 +123,19 @@ class Course:
         scene.lit_by(one).write(folder / "one")
 
     def run(self, side: str, scene: str, suns: list[tuple[str, ...]], **options: int) -> Effort:
-        """Run one process that renders some images, each of one or more Suns."""
+        """Run one process that renders some images, each of one or more Suns.
+
+        Parameters
+        ----------
+        side : str
+            Who renders: ``OURS``, ``CYCLES`` or ``BARE``.
+        scene : str
+            Name of a folder that was written.
+        suns : list of tuple of str
+            The Suns of each image.
+        **options : int
+            ``samples`` per pixel, this course's unless given, and the first image's ``seed``, 1.
+        """
         samples = options.get("samples", self.samples)
         seed = options.get("seed", 1)
         tasks = tuple(
@@ -134,7 +146,18 @@ class Course:
         return run(job, self.folder / "jobs", self.folder / "kernels")
 
     def image(self, side: str, names: tuple[str, ...], number: int, samples: int) -> Path:
-        """Return where an image lies."""
+        """Return where an image lies.
+
+        Parameters
+        ----------
+        side : str
+        names : tuple of str
+            The image's Suns.
+        number : int
+            Its place in the run.
+        samples : int
+            Per pixel.
+        """
         what = names[0] if len(names) == 1 else f"{len(names)}suns"
         return self.folder / f"{side}_{what}_{number}_{samples}.exr"
 
@@ -149,7 +172,18 @@ def references(course: Course) -> None:
 
 
 def reference(course: Course, side: str, sun: str) -> Radiance:
-    """Read a converged image."""
+    """Read a converged image.
+
+    Parameters
+    ----------
+    course : Course
+    side : str
+    sun : str
+
+    Returns
+    -------
+    (height, width) array, W m-2 sr-1
+    """
     samples = course.samples * REFERENCE_FACTOR
     suns = JUDGED_SUNS if side == OURS else (sun,)
     number = JUDGED_SUNS.index(sun) if side == CYCLES else 0
@@ -159,7 +193,17 @@ def reference(course: Course, side: str, sun: str) -> Radiance:
 def noise(
     course: Course, side: str, path: Path, suns: tuple[str, ...]
 ) -> list[tuple[float, float]]:
-    """Return both relative errors of each judged Sun that an image holds."""
+    """Return both relative errors of each judged Sun that an image holds.
+
+    Parameters
+    ----------
+    course : Course
+    side : str
+        Whose converged image is the reference.
+    path : Path
+    suns : tuple of str
+        All that the image holds.
+    """
     images = read_radiance(path, suns)
     found = []
     for sun in JUDGED_SUNS:
@@ -203,6 +247,13 @@ def sweep(course: Course, repeats: int, rendered: int) -> tuple[Row, Row]:
 
     Cycles renders the Suns one after another in one process that keeps the scene. With fewer than
     36 ``rendered`` its light is scaled up.
+
+    Parameters
+    ----------
+    course : Course
+    repeats : int
+    rendered : int
+        How many of the Suns Cycles renders one by one; the judged ones are always among them.
     """
     every = course.suns
     chosen = sorted({*JUDGED_SUNS, *every[:: max(1, len(every) // rendered)]}, key=every.index)
@@ -246,7 +297,16 @@ def as_table(cost: Cost) -> dict[str, float]:
 
 
 def report(rows: list[Row], first: dict[str, Cost], settings: dict[str, int]) -> str:
-    """Return everything that was measured as JSON."""
+    """Return everything that was measured as JSON.
+
+    Parameters
+    ----------
+    rows : list of Row
+    first : dict of str to Cost
+        What the first run of a scene took, kernels compiled, by what it was.
+    settings : dict of str to int
+        What was asked for.
+    """
     ratios = (
         "decisive",
         "at_equal_noise",

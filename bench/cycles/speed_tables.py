@@ -34,7 +34,17 @@ def _seconds(costs: list[Cost]) -> list[str]:
 
 
 def print_rows(console: Console, rows: list[Row], first: dict[str, Cost], folder: Path) -> None:
-    """Print times and memory, then ratios beside their targets."""
+    """Print times and memory, then ratios beside their targets.
+
+    Parameters
+    ----------
+    console : Console
+    rows : list of Row
+    first : dict of str to Cost
+        What the first run of a scene took, kernels compiled, by what it was.
+    folder : Path
+        Of what was written.
+    """
     costs = Table(title="What it took", box=box.SIMPLE, title_justify="left")
     for column in ("", "whole, s", "but light, s", "processor, s", "peak, MiB"):
         costs.add_column(column, justify="right" if column else "left")

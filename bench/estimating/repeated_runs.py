@@ -6,23 +6,23 @@ dataset and settings are those of its last time, and whose files are whole, is n
 
 from __future__ import annotations
 
-import hashlib
 import json
 from pathlib import Path
 
-from bench.estimating.estimation import estimate_run
+from bench.estimating.contenders import Contender
+from bench.estimating.estimation import taking_part
+from bench.estimating.runner import estimate_run
 from bench.estimating.runs import (
-    dataset_fingerprint,
     estimates_path,
     read_stamp,
     run_folder,
     stamp_path,
 )
 from models.atomic_file import write_text
-from models.dataset.dataset import prior_to_toml, read_frame_entries
+from models.dataset.dataset import Dataset, open_dataset
 from models.dataset.estimates_file import read_estimates
-from models.errors import DatasetError
-from pipelines.chaser_fixed.options import VARIANTS, options_for
+from models.dataset.onboard_files import onboard_texts
+from models.errors import DatasetError, RvbenchError
 
 
 def repeat_runs(folder: Path, runs: int) -> list[int]:
@@ -38,45 +38,58 @@ def repeat_runs(folder: Path, runs: int) -> list[int]:
     DatasetError
         If the light of a frame has left the radiance store.
     """
-    done_now = runs_left(folder, runs)
-    for number in done_now:
-        _repeat(folder, number)
-    return done_now
+    dataset = open_dataset(folder)
+    chosen = _who_spoke(dataset)
+    left = [number for number in range(1, runs) if not _is_done(dataset, number, chosen)]
+    for number in left:
+        _repeat(dataset, number, chosen)
+    return left
 
 
 def runs_left(folder: Path, runs: int) -> list[int]:
     """Return the numbers of the runs from 1 to ``runs`` - 1 that are not done."""
-    return [number for number in range(1, runs) if not is_done(folder, number)]
-
-
-def is_done(folder: Path, number: int) -> bool:
-    """Tell whether a run has whole estimates of this very dataset with today's settings."""
-    if read_stamp(folder, number) != _stamp(folder):
-        return False
-    frames = [entry.index for entry in read_frame_entries(folder)]
+    if runs == 1:
+        return []
     try:
-        said = [read_estimates(estimates_path(folder, number, variant)) for variant in VARIANTS]
+        dataset = open_dataset(folder)
+        chosen = _who_spoke(dataset)
+    except RvbenchError:
+        return list(range(1, runs))
+    return [number for number in range(1, runs) if not _is_done(dataset, number, chosen)]
+
+
+def _who_spoke(dataset: Dataset) -> list[Contender]:
+    """Return who takes part and was made for run 0: a pipeline that could not be is left out."""
+    every = taking_part(dataset, tell=False)  # run 0 has told
+    spoke = [each for each in every if estimates_path(dataset.folder, 0, each.label).is_file()]
+    return spoke or every
+
+
+def _is_done(dataset: Dataset, number: int, chosen: list[Contender]) -> bool:
+    """Tell whether a run has whole estimates of this very dataset with today's settings."""
+    folder = dataset.folder
+    if read_stamp(folder, number) != _stamp(dataset, chosen):
+        return False
+    try:
+        said = [read_estimates(estimates_path(folder, number, each.label)) for each in chosen]
     except DatasetError:
         return False
-    return all([estimate.frame for estimate in estimates] == frames for estimates in said)
+    return all([estimate.frame for estimate in own] == dataset.indices for own in said)
 
 
-def _repeat(folder: Path, number: int) -> None:
-    from renders.batches.replay import (
-        exposed_frames,  # here, so that estimating alone loads no renders
-    )
+def _repeat(dataset: Dataset, number: int, chosen: list[Contender]) -> None:
+    from renders.batches.replay import exposed_frames  # estimating alone loads no renders
 
-    knowledge, frames = exposed_frames(folder, number)
+    folder = dataset.folder
+    onboard, frames = exposed_frames(folder, number)
     home = run_folder(folder, number)
-    write_text(home / "prior.toml", prior_to_toml(knowledge))
-    write_text(home / "camera.toml", knowledge.camera.to_toml())
-    estimate_run(folder, number, frames, knowledge, len(read_frame_entries(folder)))
-    write_text(stamp_path(folder, number), json.dumps(_stamp(folder), indent=1) + "\n")
+    for name, text in onboard_texts(onboard).items():
+        if not (folder / name).is_file() or (folder / name).read_text() != text:
+            write_text(home / name, text)
+    estimate_run(folder, number, frames, onboard, chosen, len(dataset.entries))
+    write_text(stamp_path(folder, number), json.dumps(_stamp(dataset, chosen), indent=1) + "\n")
 
 
-def _stamp(folder: Path) -> dict[str, str]:
-    settings = {
-        f"settings_{variant}": hashlib.sha256(repr(options_for(variant)).encode()).hexdigest()
-        for variant in VARIANTS
-    }
-    return {"dataset": dataset_fingerprint(folder), **settings}
+def _stamp(dataset: Dataset, chosen: list[Contender]) -> dict[str, str]:
+    settings = {f"settings_{each.label}": each.settings for each in chosen}
+    return {"dataset": dataset.fingerprint(), **settings}

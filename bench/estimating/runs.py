@@ -10,15 +10,18 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
+from glob import escape
 from pathlib import Path
+from typing import Any
 
-from models.dataset.dataset import FrameEntry
+from models.dataset.dataset import Dataset
 from models.dataset.estimates_file import read_estimates, read_runtimes
 from models.errors import DatasetError, UnreadableError
 from models.estimate import Estimate
 from models.reading.json_file import read_json_table
+
+SAME_INSTANT_S = 1e-6
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,8 @@ class Run:
     Attributes
     ----------
     number : int
+    label : str
+        Of the pipeline.
     estimates : dict
         By frame; one for every frame of the dataset.
     runtime_ms : dict
@@ -35,6 +40,7 @@ class Run:
     """
 
     number: int
+    label: str
     estimates: dict[int, Estimate]
     runtime_ms: dict[int, float]
 
@@ -59,21 +65,17 @@ def stamp_path(folder: Path, number: int) -> Path:
     return run_folder(folder, number) / "run.json"
 
 
-def dataset_fingerprint(folder: Path) -> str:
-    """Return a hash of what makes the frames of a dataset: its scenario, Sun, times, target."""
-    digest = hashlib.sha256()
-    for name in ("dataset.json", "frames.csv", "detector.toml", "markers.toml"):
-        path = folder / name
-        digest.update(path.read_bytes() if path.is_file() else b"")
-    return digest.hexdigest()
-
-
-def read_stamp(folder: Path, number: int) -> dict[str, str]:
+def read_stamp(folder: Path, number: int) -> dict[str, Any]:
     """Return a run's stamp; empty if it has none or it cannot be read."""
     try:
         return read_json_table(stamp_path(folder, number))
     except UnreadableError:
         return {}
+
+
+def spoken_variants(folder: Path) -> tuple[str, ...]:
+    """Return the variants that have estimates of run 0, in order of name; perhaps none."""
+    return tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
 
 
 def found_variants(folder: Path) -> tuple[str, ...]:
@@ -84,7 +86,7 @@ def found_variants(folder: Path) -> tuple[str, ...]:
     DatasetError
         If there are none.
     """
-    variants = tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+    variants = spoken_variants(folder)
     if not variants:
         raise DatasetError(
             f"expected estimates at {folder / 'estimates'}/*.jsonl, found none; "
@@ -101,7 +103,7 @@ def spoken_variant(folder: Path, variant: str) -> str | None:
     DatasetError
         If others have, but not this one.
     """
-    spoken = sorted(path.stem for path in (folder / "estimates").glob("*.jsonl"))
+    spoken = spoken_variants(folder)
     if spoken and variant not in spoken:
         raise DatasetError(
             f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, got {variant!r}"
@@ -111,30 +113,39 @@ def spoken_variant(folder: Path, variant: str) -> str | None:
 
 def found_runs(folder: Path, variant: str) -> list[int]:
     """Return the numbers of the runs that have estimates of a variant, in order."""
-    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{variant}.jsonl")
+    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{escape(variant)}.jsonl")
     numbers = sorted(int(path.parent.parent.name) for path in others)
     return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
 
 
-def read_run(folder: Path, number: int, variant: str, entries: list[FrameEntry]) -> Run:
+def read_run(dataset: Dataset, number: int, label: str) -> Run:
     """Read a run and hold it against the dataset's frames.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    number : int
+    label : str
+        Of the pipeline.
 
     Raises
     ------
     DatasetError
-        If the estimates are not one for every frame, or the run was made on other frames.
+        If the estimates are not one for every frame, of its time, or the run was made on other
+        frames.
     """
-    path = estimates_path(folder, number, variant)
+    folder = dataset.folder
+    path = estimates_path(folder, number, label)
     mend = (
         f"run `rvbench estimate {folder}` again"
         if number == 0
         else f"delete {run_folder(folder, number)}, or run again with --seeds"
     )
-    stamp = read_stamp(folder, number)
-    if stamp.get("dataset", dataset_fingerprint(folder)) != dataset_fingerprint(folder):
+    fingerprint = dataset.fingerprint()
+    if read_stamp(folder, number).get("dataset", fingerprint) != fingerprint:
         raise DatasetError(f"{path}: expected estimates of this dataset, got another's; {mend}")
     estimates = {estimate.frame: estimate for estimate in read_estimates(path)}
-    wanted = {entry.index for entry in entries}
+    wanted = set(dataset.indices)
     if set(estimates) != wanted:
         missing, extra = sorted(wanted - set(estimates)), sorted(set(estimates) - wanted)
         raise DatasetError(
@@ -143,4 +154,11 @@ def read_run(folder: Path, number: int, variant: str, entries: list[FrameEntry])
             f"{len(extra)} of no frame{f' (first: {extra[0]})' if extra else ''}; "
             f"the frames have changed since: {mend}"
         )
-    return Run(number, estimates, read_runtimes(runtimes_path(folder, number, variant)))
+    for entry in dataset.entries:
+        said_s = estimates[entry.index].time_s
+        if abs(said_s - entry.time_s) > SAME_INSTANT_S:
+            raise DatasetError(
+                f"{path}: expected an estimate of frame {entry.index} at {entry.time_s} s, as "
+                f"frames.csv has it, got one at {said_s} s; the frames have changed since: {mend}"
+            )
+    return Run(number, label, estimates, read_runtimes(runtimes_path(folder, number, label)))

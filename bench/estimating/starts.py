@@ -8,7 +8,6 @@ It reads the public half of a dataset and writes what came of it beside the esti
 
 from __future__ import annotations
 
-import hashlib
 import json
 import time
 from dataclasses import dataclass
@@ -17,29 +16,22 @@ from typing import Any
 
 import numpy as np
 
-from bench.estimating.navigators import OURS, navigator, options_text
-from bench.suites.pesce2019.plan import VARIANTS
 from bench.suites.spread import do_units
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.atomic_file import write_text
-from models.dataset.dataset import FILTERED, FrameEntry, image_path, read_frame_entries
-from models.dataset.image_dataset import (
-    read_image_frame,
-    read_navigation,
-    read_uncooperative_knowledge,
-)
+from models.dataset.dataset import Dataset, open_dataset
 from models.errors import DatasetError, UnreadableError, cause
-from models.estimate import PoseEstimate
 from models.plain_console import plain_console
 from models.pose import RigidTransform
 from models.reading.json_file import read_json_table
+from pipelines.pipeline import RegisteredPipeline
+from pipelines.registry import registered_pipeline
 
+OURS = "uncooperative"
 STARTS = 50
 MOST_IMAGES = 5
 CHUNK = 5  # starts of one unit
 IMAGE_S = 2.0  # until one was timed
-PUBLIC = ("dataset.json", "frames.csv", "navigation.csv", "knowledge.toml", "camera.toml",
-          "detector.toml", "wireframe.json")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -51,17 +43,17 @@ class StartsTask:
     folder : str
     dataset : str
         Hash of its public half.
-    navigator, variant, options : str
-        Module of the pipeline, its variant, and all settings as text.
+    pipeline, variant, settings : str
+        Name of the pipeline, its variant, and a hash of all settings.
     frames : tuple of tuples of int
         By start: the frames that it may look at, in order.
     """
 
     folder: str
     dataset: str
-    navigator: str
+    pipeline: str
     variant: str
-    options: str
+    settings: str
     frames: tuple[tuple[int, ...], ...]
 
 
@@ -110,23 +102,23 @@ def chosen_starts(
 
 
 def try_starts(
-    folder: Path,
+    dataset: Dataset,
     workers: int = 1,
     starts: int = STARTS,
     most_images: int = MOST_IMAGES,
-    navigator: str = OURS,
+    pipeline: str = OURS,
 ) -> list[Path]:
-    """Try what is not tried yet, by both variants, and write what came of it.
+    """Try what is not tried yet, by all variants, and write what came of it.
 
     Parameters
     ----------
-    folder : Path
-        A dataset of single images; its truth half is not read.
+    dataset : Dataset
+        Of single images; its truth half is not read.
     workers : int
     starts, most_images : int
         How many starts, and images that each may look at.
-    navigator : str
-        Module of the pipeline.
+    pipeline : str
+        Name of the pipeline.
 
     Returns
     -------
@@ -138,75 +130,67 @@ def try_starts(
     DatasetError
         If the public half cannot be read.
     """
-    frames = chosen_starts([e.index for e in read_frame_entries(folder)], starts, most_images)
-    home = folder / "estimates" / "starts"
-    dataset = public_fingerprint(folder)
-    units = {each: _units(folder, dataset, each, frames, navigator) for each in VARIANTS}
+    frames = chosen_starts(dataset.indices, starts, most_images)
+    home = dataset.folder / "estimates" / "starts"
+    content = dataset.content_fingerprint()
+    registered = registered_pipeline(pipeline)
+    units = {
+        registered.labelled(variant): _units(dataset.folder, content, registered, variant, frames)
+        for variant in registered.variants
+    }
     do_units([unit for own in units.values() for unit in own], home, workers,
              plain_console(stderr=True))  # fmt: skip
     return [
-        _write(folder, variant, most_images, [done_outcome(home, unit) for unit in own])
-        for variant, own in units.items()
+        _write(dataset.folder, label, most_images, [done_outcome(home, unit) for unit in own])
+        for label, own in units.items()
     ]
 
 
 def _units(
     folder: Path,
     dataset: str,
+    pipeline: RegisteredPipeline,
     variant: str,
     frames: tuple[tuple[int, ...], ...],
-    navigator: str,
 ) -> list[WorkUnit]:
     return [
         WorkUnit(
-            name=f"{variant}/from_{frames[first][0]:06d}",
+            name=f"{pipeline.labelled(variant)}/from_{frames[first][0]:06d}",
             work=tried,
             task=StartsTask(
                 folder=str(folder.resolve()),
                 dataset=dataset,
-                navigator=navigator,
+                pipeline=pipeline.name,
                 variant=variant,
-                options=options_text(navigator, variant),
+                settings=pipeline.settings_hash(variant),
                 frames=frames[first : first + CHUNK],
             ),
-            kind=f"starts, {variant}",
+            kind=f"starts, {pipeline.labelled(variant)}",
             expected_s=CHUNK * IMAGE_S,
-            modules=(navigator,),
+            modules=(pipeline.make.__module__,),
         )
         for first in range(0, len(frames), CHUNK)
     ]
 
 
-def public_fingerprint(folder: Path) -> str:
-    """Return a hash of a dataset's public half, its images too."""
-    digest = hashlib.sha256()
-    images = [image_path(folder, entry.index, FILTERED) for entry in read_frame_entries(folder)]
-    for path in [*(folder / name for name in PUBLIC), *images]:
-        digest.update(path.read_bytes() if path.is_file() else b"")
-    return digest.hexdigest()
-
-
 def tried(task: StartsTask) -> Outcome:
     """Try some starts."""
-    folder = Path(task.folder)
-    knowledge = read_uncooperative_knowledge(folder)
-    entries: dict[int, FrameEntry] = {each.index: each for each in read_frame_entries(folder)}
-    chaser = read_navigation(folder)
+    dataset = open_dataset(Path(task.folder))
     rows: list[list[float]] = []
     poses, seconds, reasons = [], [], []
     for frames in task.frames:
-        pipeline = navigator(task.navigator, task.variant, knowledge)
+        pipeline = registered_pipeline(task.pipeline).make(dataset.onboard, task.variant)
         spent_s, images, pose, reason = 0.0, 0, np.full((3, 4), np.nan), ""
         for place, index in enumerate(frames, start=1):
-            frame = read_image_frame(folder, entries[index], chaser[index])
+            frame = dataset.frame(index)
             began = time.process_time()
-            said = pipeline.process(frame).pose
+            said = pipeline.process(frame)
             spent_s += time.process_time() - began
-            if isinstance(said, PoseEstimate):
+            if said.pose is not None:
                 images = place
-                pose = said.cam_from_target.matrix()[:3]
+                pose = said.pose.cam_from_target.matrix()[:3]
                 break
-            reason = said.reason
+            reason = said.reason or ""
         rows.append([frames[0], images, frames[images - 1] if images else -1])
         poses.append(pose)
         seconds.append(spent_s)
@@ -264,7 +248,7 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
                 frame=int(each["frame"]),
                 images=int(each["images"]),
                 cam_from_target=_pose(each["cam_from_target"]),
-                pose_frame=each["pose_frame"],
+                pose_frame=None if each["pose_frame"] is None else int(each["pose_frame"]),
                 seconds=float(each["seconds"]),
                 reason=str(each["reason"]),
             )
@@ -281,5 +265,5 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
 def _pose(rows: list[list[float]] | None) -> RigidTransform | None:
     if rows is None:
         return None
-    matrix = np.array(rows, dtype=np.float64)
+    matrix = np.array(rows, dtype=np.float64).reshape(3, 4)
     return RigidTransform(matrix[:, :3], matrix[:, 3])

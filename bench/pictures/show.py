@@ -1,4 +1,4 @@
-"""One frame laid open: both images, their difference, and every marker's own pixels."""
+"""One frame of a dataset laid open, as a picture: its chain knows how."""
 
 from __future__ import annotations
 
@@ -6,31 +6,15 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from bench.pictures.frame_records import PREFERRED, FrameRecord, FrameRecords
-from bench.pictures.overlay import DETECTION_RED, REPROJECTION_GREEN, TRUTH_CYAN, overlay
-from bench.pictures.stretch import STRETCH, stretch
-from bench.report.plain_text import take_literally
-from models.arrays import Floats
+from bench.pictures.frame_record import PREFERRED, FrameRecords
+from bench.pictures.our_picture import marked
 from models.atomic_file import write_bytes
-
-Colour = tuple[float, float, float]
-DPI = 100
-WINDOW_RADII = 2.2  # half a zoomed window, in radii of the marker's image
-SMALLEST_WINDOW_PX = 6.0
-COLUMNS = 5
-PANEL_PX = 610
-OUTSIDE_PX = -1e9  # where a marker behind the camera is drawn: nowhere
-INK, PAPER = "#e8e8e8", "#15181c"
 
 
 def show_frame(folder: Path, index: int, variant: str = PREFERRED) -> NDArray[np.uint8]:
-    """Draw one frame of a dataset with detections, reprojections and truth.
+    """Draw one frame of a dataset with detections, estimate and truth.
 
     Parameters
     ----------
@@ -51,158 +35,19 @@ def show_frame(folder: Path, index: int, variant: str = PREFERRED) -> NDArray[np
     DatasetError
         If there is no such frame or it cannot be read.
     """
-    return draw(FrameRecords(folder, variant).record(index))
-
-
-def draw(record: FrameRecord) -> NDArray[np.uint8]:
-    """Draw a frame; see ``show_frame``."""
-    shown = _shown_markers(record)
-    rows = max(1, -(-len(shown) // COLUMNS))
-    figure = Figure(figsize=(20.0, 8.2 + 4.0 * rows), dpi=DPI, facecolor=PAPER)
-    canvas = FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(
-        2, 1, height_ratios=[6.6, 3.9 * rows], left=0.03, right=0.985, top=0.9, bottom=0.02,
-        hspace=0.1,
-    )  # fmt: skip
-    _draw_images(figure, grid[0].subgridspec(1, 3, wspace=0.08), record)
-    windows = grid[1].subgridspec(rows, COLUMNS, wspace=0.12, hspace=0.22)
-    for place, marker in enumerate(shown):
-        axes = figure.add_subplot(windows[place // COLUMNS, place % COLUMNS])
-        _draw_window(axes, record, marker)
-    _write_heading(figure, record)
-    take_literally(figure)
-    canvas.draw()  # type: ignore[no-untyped-call]
-    pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-    return np.ascontiguousarray(pixels[:, :, :3])
-
-
-def _rgb(colour: tuple[int, int, int]) -> Colour:
-    red, green, blue = colour
-    return red / 255.0, green / 255.0, blue / 255.0
-
-
-def _signals(record: FrameRecord) -> dict[str, Floats]:
-    bias_dn = record.knowledge.detector.bias_dn
-    image_800 = record.frame.image_800.astype(np.float64)
-    image_850 = record.frame.image_850.astype(np.float64)
-    return {
-        "800 nm": image_800 - bias_dn,
-        "850 nm": image_850 - bias_dn,
-        "850 nm minus 800 nm": image_850 - image_800,
-    }
-
-
-def _shown_markers(record: FrameRecord) -> list[int]:
-    """Return the markers worth a window: reprojected or truly inside the image."""
-    """Return the markers worth a window: those in the image, by truth or else by estimate."""
-    if record.best_known_pose is None:
-        return []
-    camera, points = record.knowledge.camera, record.knowledge.markers.points_in_target
-    pixels = camera.project(record.best_known_pose @ points)
-    inside = camera.contains(np.nan_to_num(pixels, nan=OUTSIDE_PX))
-    return [int(marker) for marker in np.flatnonzero(inside)]
-
-
-def _draw_images(figure: Figure, grid: object, record: FrameRecord) -> None:
-    for column, (title, signal_dn) in enumerate(_signals(record).items()):
-        axes = figure.add_subplot(grid[0, column])  # type: ignore[index]
-        plain = stretch(signal_dn, record.knowledge.detector)
-        marked = column > 0
-        picture = overlay(record, PANEL_PX, signal_dn) if marked else plain
-        axes.imshow(picture, cmap="gray", vmin=0, vmax=1)
-        axes.set_title(title, color=INK, fontsize=12)
-        _frame(axes)
-
-
-def _draw_window(axes: Axes, record: FrameRecord, marker: int) -> None:
-    knowledge = record.knowledge
-    centre, radius_px = _window_centre(record, marker)
-    half = max(SMALLEST_WINDOW_PX, WINDOW_RADII * radius_px)
-    signal = _signals(record)["850 nm minus 800 nm"]
-    axes.imshow(stretch(signal, knowledge.detector), cmap="gray", vmin=0, vmax=1)
-    _draw_marks(axes, record)
-    axes.set_xlim(centre[0] - half, centre[0] + half)
-    axes.set_ylim(centre[1] + half, centre[1] - half)
-    axes.set_title(_window_title(record, marker), color=INK, fontsize=10)
-    _frame(axes)
-
-
-def _window_centre(record: FrameRecord, marker: int) -> tuple[Floats, float]:
-    """Return where a marker is, by the truth where there is one, and its radius, px."""
-    pose = record.best_known_pose
-    camera, markers = record.knowledge.camera, record.knowledge.markers
-    if pose is None:
-        raise ValueError(f"expected a pose to find marker {marker} by, got none")
-    point_in_cam = pose @ markers.points_in_target[marker]
-    radius_px = camera.fx * markers.radius_m / float(point_in_cam[2])
-    return np.round(camera.project(point_in_cam)), radius_px
-
-
-def _window_title(record: FrameRecord, marker: int) -> str:
-    name = f"#{record.knowledge.markers.names[marker]}"
-    detections = record.estimate.detections if record.estimate is not None else None
-    if detections is None or marker not in detections.marker:
-        return f"{name}  not found"
-    place = detections.marker.index(marker)
-    kept = "" if detections.used[place] else "  (rejected)"
-    if record.truth is None:
-        return f"{name}{kept}"
-    du, dv = detections.points_px[place] - record.truth.markers_px[marker]
-    return f"{name}  {du:+.3f}, {dv:+.3f} px{kept}"
-
-
-def _draw_marks(axes: Axes, record: FrameRecord) -> None:
-    def marks(pixels: Floats, sign: str, colour: tuple[int, int, int], size: float) -> None:
-        axes.plot(
-            pixels[:, 0], pixels[:, 1], sign, color=_rgb(colour), markersize=size,
-            markerfacecolor="none", markeredgewidth=1.6, linestyle="none",
-        )  # fmt: skip
-
-    if record.truth is not None:
-        marks(record.truth.markers_px[record.truth.visible > 0.0], "+", TRUTH_CYAN, 26.0)
-    if record.reprojections_px is not None:
-        marks(record.reprojections_px, "D", REPROJECTION_GREEN, 19.0)
-    if record.estimate is not None:
-        marks(record.estimate.detections.points_px, "o", DETECTION_RED, 16.0)
-
-
-def _frame(axes: Axes) -> None:
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for spine in axes.spines.values():
-        spine.set_color("#444a52")
-
-
-def _write_heading(figure: Figure, record: FrameRecord) -> None:
-    frame = record.frame
-    words = [
-        f"frame {frame.index}",
-        f"t = {frame.time_s:.2f} s",
-        f"exposure {frame.exposure_ms:.3g} ms",
-    ]
-    if record.truth is not None:
-        words.insert(2, f"range {np.linalg.norm(record.truth.cam_from_target.translation):.2f} m")
-    figure.text(0.03, 0.965, "   ".join(words), color=INK, fontsize=15, weight="bold", va="center")
-    verdict = f"{record.variant}: {record.verdict}" if record.variant else record.verdict
-    figure.text(0.03, 0.938, verdict, color=INK, fontsize=12, va="center")
-    figure.text(0.985, 0.938, STRETCH, color="#9aa2ab", fontsize=9, va="center", ha="right")
-    marks = (
-        ("o", DETECTION_RED, "detected"),
-        ("D", REPROJECTION_GREEN, "reprojected"),
-        ("+", TRUTH_CYAN, "truth"),
-    )
-    handles = [
-        Line2D([], [], color=_rgb(colour), marker=sign, markerfacecolor="none", linestyle="none")
-        for sign, colour, _ in marks
-    ]
-    figure.legend(
-        handles, [label for _, _, label in marks], loc="upper right", ncols=3, frameon=False,
-        labelcolor=INK, bbox_to_anchor=(0.99, 0.985), fontsize=11,
-    )  # fmt: skip
+    records = FrameRecords(folder, variant)
+    return records.chain.show(records.record(index))
 
 
 def write_frame(folder: Path, index: int, out: Path, variant: str = PREFERRED) -> None:
     """Draw one frame into a PNG file; see ``show_frame``.
+
+    Parameters
+    ----------
+    folder : Path
+    index : int
+    out : Path
+    variant : str
 
     Raises
     ------
@@ -215,7 +60,7 @@ def write_frame(folder: Path, index: int, out: Path, variant: str = PREFERRED) -
 
 
 def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
-    """Write an RGB picture as a PNG file.
+    """Write an RGB picture, (height, width, 3), as a PNG file; see ``bench.pictures.our_picture``.
 
     Raises
     ------
@@ -225,4 +70,4 @@ def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:
         raise ValueError(f"expected OpenCV to encode a picture of {picture.shape}, it refused")
-    write_bytes(out, bytes(data.tobytes()))
+    write_bytes(out, marked(bytes(data.tobytes())))

@@ -11,25 +11,25 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
+from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import stretch
-from models.arrays import AnyArray, Floats
+from bench.report.numbers import number, numbers
+from bench.scoring.judgement import NO_REASON
+from models.arrays import AnyArray, Floats, Image
 from models.camera import Camera
+from models.frame import IMAGE
+from models.onboard import OnboardKnowledge, needed
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
-from models.uncooperative import ImageFrame, NavigationEstimate, UncooperativeKnowledge
 from models.wireframe.visibility import visible_edge_pieces
 from models.wireframe.wireframe import Wireframe
-from renders.truth.image_truth import ImageTruth
 
 ESTIMATE_GREEN = (74, 222, 96)
 TRUTH_CYAN = (70, 214, 255)
 CORNER_RED = (255, 77, 64)
 LEFT_OUT_RED = (150, 62, 56)
-LEGEND = (
-    "green: the wireframe at the estimated pose; cyan: at the true one, where they differ; "
-    "red circle: detected corner (dim: matched to no landmark)"
-)
 PIECES = 33  # of an edge, each seen or not
 SUBPIXEL_BITS = 4
 MARGIN = 0.12  # around the target in a close view, as a share of its picture
@@ -39,25 +39,18 @@ Colour = tuple[int, int, int]
 
 
 def wireframe_overlay(
-    frame: ImageFrame,
-    knowledge: UncooperativeKnowledge,
-    width_px: int,
-    *,
-    estimate: NavigationEstimate | None = None,
-    truth: ImageTruth | None = None,
-    window: Window | None = None,
+    record: FrameRecord, width_px: int, *, truth: bool = True, window: Window | None = None
 ) -> NDArray[np.uint8]:
     """Return a frame as a picture with what was estimated and what was true.
 
     Parameters
     ----------
-    frame : ImageFrame
-    knowledge : UncooperativeKnowledge
+    record : FrameRecord
+        The wireframe is drawn at the filtered pose, or at the image's own where there is none.
     width_px : int, px
         Of the picture.
-    estimate : NavigationEstimate, optional
-        Its wireframe is drawn at the filtered pose, or at the image's own where there is none.
-    truth : ImageTruth, optional
+    truth : bool
+        Whether to draw the true pose, where it is known.
     window : (left, top, side), px, optional
         The square of the image to draw; all of it unless given. See ``window_around``.
 
@@ -66,34 +59,59 @@ def wireframe_overlay(
     (height, width_px, 3) uint8 array
         RGB.
     """
-    canvas = _Canvas.of(frame, knowledge.detector or Detector(), width_px, window)
-    camera, target = knowledge.camera, knowledge.target
-    if truth is not None:
-        canvas.draw_edges(camera, target, truth.cam_from_target, TRUTH_CYAN)
-    if estimate is not None:
-        pose = estimated_pose(estimate, knowledge)
-        if pose is not None:
-            canvas.draw_edges(camera, target, pose, ESTIMATE_GREEN)
-        found = estimate.pose.detections
+    camera, target = record.onboard.camera, record.onboard.wireframe
+    canvas = _Canvas.of(record.image(IMAGE), record.onboard.detector, width_px, window)
+    if truth and record.truth is not None and target is not None:
+        canvas.draw_edges(camera, target, record.truth.cam_from_target, TRUTH_CYAN)
+    if record.estimate is not None:
+        if record.estimated_pose is not None and target is not None:
+            canvas.draw_edges(camera, target, record.estimated_pose, ESTIMATE_GREEN)
+        found = record.estimate.detected
         for pixel, landmark in zip(found.points_px, found.marker, strict=True):
             canvas.circle(pixel, CORNER_RED if landmark >= 0 else LEFT_OUT_RED)
     return canvas.picture
 
 
-def estimated_pose(
-    estimate: NavigationEstimate, knowledge: UncooperativeKnowledge
-) -> RigidTransform | None:
-    """Return ``cam_from_target`` after the filters, else the image's own, else None."""
-    if estimate.state is not None:
-        return estimate.state.cam_from_target(knowledge.cam_from_lvlh)
-    return estimate.pose.cam_from_target if estimate.pose.status == "pose" else None
+def close_view(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
+    """Return the part of a frame that holds the target, marked; all of it where nobody knows."""
+    pose = record.best_known_pose
+    window = None if pose is None else window_around(record.onboard, pose)
+    return wireframe_overlay(record, width_px, window=window)
 
 
-def window_around(
-    knowledge: UncooperativeKnowledge, cam_from_target: RigidTransform
-) -> Window | None:
-    """Return the square that holds the target at a pose; None if it is not in front."""
-    pixels = knowledge.camera.project(cam_from_target @ knowledge.target.points_in_target)
+def wireframe_of(onboard: OnboardKnowledge) -> Wireframe:
+    """Return the target as drawn."""
+    return needed(onboard.wireframe, "wireframe.json", "pictures of single images")
+
+
+def verdict(record: FrameRecord) -> str:
+    """Say in one line what the pipeline did, and the pose error or why there is no pose."""
+    if record.estimate is None:
+        return "not estimated"
+    said = record.estimate.mode or "estimated"
+    if record.estimate.pose is None:
+        said += f" (no pose from this image: {record.estimate.reason or NO_REASON})"
+    pose = record.estimated_pose
+    if pose is None or record.truth is None:
+        return said
+    was = record.truth.cam_from_target
+    x, y, z = numbers((1e3 * (pose.translation - was.translation)).tolist(), signed=True)
+    # No 3-2-1 angles: a tumble passes through their singularity.
+    turn_deg = np.rad2deg(Rotation.from_matrix(pose.rotation @ was.rotation.T).magnitude())
+    return f"{said}: position error {x}, {y}, {z} mm; attitude {number(float(turn_deg))} deg"
+
+
+def window_around(onboard: OnboardKnowledge, cam_from_target: RigidTransform) -> Window | None:
+    """Return the square that holds the target at a pose; None if it is not in front, or not known.
+
+    Parameters
+    ----------
+    onboard : OnboardKnowledge
+    cam_from_target : RigidTransform
+    """
+    if onboard.wireframe is None:
+        return None
+    pixels = onboard.camera.project(cam_from_target @ wireframe_of(onboard).points_in_target)
     if not np.isfinite(pixels).all():
         return None
     low, high = pixels.min(axis=0), pixels.max(axis=0)
@@ -112,10 +130,8 @@ class _Canvas:
     top: float
 
     @classmethod
-    def of(
-        cls, frame: ImageFrame, detector: Detector, width_px: int, window: Window | None
-    ) -> _Canvas:
-        grey = stretch(frame.image.astype(np.float64) - detector.bias_dn, detector)
+    def of(cls, image: Image, detector: Detector, width_px: int, window: Window | None) -> _Canvas:
+        grey = stretch(image.astype(np.float64) - detector.bias_dn, detector)
         height, width = grey.shape
         left, top, side = window or (-0.5, -0.5, float(width))
         scale = width_px / side
@@ -139,8 +155,8 @@ class _Canvas:
         pixels = camera.project(cam_from_target @ flat).reshape(*pieces.visible.shape, 2)
         seen = pieces.visible & np.isfinite(pixels).all(axis=2)
         for line, shown in zip(pixels, seen, strict=True):
-            for number in np.flatnonzero(shown[:-1] & shown[1:]):
-                self._line(line[number], line[number + 1], colour)
+            for place in np.flatnonzero(shown[:-1] & shown[1:]):
+                self._line(line[place], line[place + 1], colour)
 
     def circle(self, pixel: Floats, colour: Colour) -> None:
         radius = max(3.0, 0.006 * self.picture.shape[1])

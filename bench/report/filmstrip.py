@@ -9,8 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.pictures.frame_records import FrameRecord, FrameRecords
-from bench.pictures.overlay import overlay
+from bench.pictures.frame_record import FrameRecords
 
 MOST_FRAMES = 12
 FRAME_WIDTH_PX = 760
@@ -37,9 +36,9 @@ class Picture:
     lost: bool
 
 
-def filmstrip(records: FrameRecords, missed: list[int]) -> list[Picture]:
-    """Choose frames evenly in time, the first lost ones among them, and draw them."""
-    return [picture(records.record(index)) for index in chosen(list(records.entries), missed)]
+def filmstrip(records: FrameRecords, wanted: list[int]) -> list[Picture]:
+    """Choose frames evenly in time, the first of those wanted among them, and draw them."""
+    return [picture(records, index) for index in chosen(records.dataset.indices, wanted)]
 
 
 def chosen(indices: list[int], wanted: list[int]) -> list[int]:
@@ -51,15 +50,25 @@ def chosen(indices: list[int], wanted: list[int]) -> list[int]:
     return sorted([*asked, *(others[place] for place in dict.fromkeys(spread))])
 
 
-def picture(record: FrameRecord, width_px: int = FRAME_WIDTH_PX) -> Picture:
-    """Draw one frame."""
+def picture(records: FrameRecords, index: int, width_px: int = FRAME_WIDTH_PX) -> Picture:
+    """Draw one frame, as its chain does.
+
+    Parameters
+    ----------
+    records : FrameRecords
+    index : int
+    width_px : int, px
+        Wanted; a small image is drawn with whole pixels.
+    """
+    record = records.record(index)
     words = [f"frame {record.frame.index}", f"{record.frame.time_s:.1f} s"]
     if record.truth is not None:
         words.append(f"{np.linalg.norm(record.truth.cam_from_target.translation):.2f} m")
+    width = _fitting_width(records.onboard.camera.width, width_px)
     return Picture(
-        source=jpeg(overlay(record, _fitting_width(record.frame.image_850.shape[1], width_px))),
+        source=jpeg(records.chain.picture(record, width)),
         title=" · ".join(words),
-        verdict=record.verdict,
+        verdict=records.chain.verdict(record),
         lost=not record.estimate,
     )
 

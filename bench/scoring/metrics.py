@@ -1,4 +1,4 @@
-"""What the errors of many frames come to: position, attitude, consistency, runtime.
+"""What the pose errors of many frames come to: axis by axis, and against what is stated.
 
 Every summary pools frames, and runs where there are several, and does not depend on their order.
 An error is estimate minus truth (``models.pose.pose_error``). No frames, no number: ``None``.
@@ -22,40 +22,22 @@ NEES_CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
-class PositionError:
-    """Error of ``t_cam_from_target``, mm.
+class AxisErrors:
+    """Root mean square of pose errors along and about each axis.
 
     Attributes
     ----------
-    median, p95 : float
-        Of its length.
-    rms : list of 3 floats
-        Root mean square along the camera's x, y and z; a constant bias counts.
+    position_rms_mm : list of 3 floats
+        Of ``t_cam_from_target``, along the camera's x, y and z; a constant bias counts.
+    euler_rms_deg : list of 3 floats
+        Of the wrapped errors of (alpha, beta, gamma), passive 3-2-1.
+    rotation_vector_rms_deg : list of 3 floats
+        Of the turn ``R_estimate R_truth^T``, about the camera's x, y and z.
     """
 
-    median: float | None
-    p95: float | None
-    rms: list[float] | None
-
-
-@dataclass(frozen=True)
-class AttitudeError:
-    """Error of ``R_cam_from_target``, deg.
-
-    Attributes
-    ----------
-    median, p95 : float
-        Of the angle of the turn ``R_estimate R_truth^T``.
-    rms : list of 3 floats
-        Root mean square of the wrapped errors of (alpha, beta, gamma), passive 3-2-1.
-    rms_rotation_vector : list of 3 floats
-        The same of the turn's rotation vector, about the camera's x, y and z.
-    """
-
-    median: float | None
-    p95: float | None
-    rms: list[float] | None
-    rms_rotation_vector: list[float] | None
+    position_rms_mm: list[float] | None
+    euler_rms_deg: list[float] | None
+    rotation_vector_rms_deg: list[float] | None
 
 
 @dataclass(frozen=True)
@@ -78,43 +60,20 @@ class Nees:
     consistent: bool | None
 
 
-@dataclass(frozen=True)
-class Runtime:
-    """Time that a frame takes, ms: median and 95th percentile."""
-
-    median: float | None
-    p95: float | None
-
-
 def root_mean_square(values: ArrayLike) -> list[float]:
     """Return the root mean square of each column of an (n, k) array."""
     table = np.asarray(values, dtype=np.float64)
     return [float(np.sqrt(np.mean(np.sort(column * column)))) for column in table.T]
 
 
-def position_error_mm(errors: Sequence[PoseError]) -> PositionError:
-    """Summarise position errors in mm."""
+def axis_errors(errors: Sequence[PoseError]) -> AxisErrors:
+    """Summarise pose errors axis by axis."""
     if not errors:
-        return PositionError(None, None, None)
-    error_mm = 1e3 * np.array([error.position_m for error in errors])
-    lengths = np.linalg.norm(error_mm, axis=1)
-    return PositionError(
-        median=float(np.median(lengths)),
-        p95=float(np.percentile(lengths, 95.0)),
-        rms=root_mean_square(error_mm),
-    )
-
-
-def attitude_error_deg(errors: Sequence[PoseError]) -> AttitudeError:
-    """Summarise attitude errors in deg."""
-    if not errors:
-        return AttitudeError(None, None, None, None)
-    angles = np.array([error.attitude_deg for error in errors])
-    return AttitudeError(
-        median=float(np.median(angles)),
-        p95=float(np.percentile(angles, 95.0)),
-        rms=root_mean_square([error.euler_deg for error in errors]),
-        rms_rotation_vector=root_mean_square([error.rotation_vector_deg for error in errors]),
+        return AxisErrors(None, None, None)
+    return AxisErrors(
+        position_rms_mm=root_mean_square(1e3 * np.array([error.position_m for error in errors])),
+        euler_rms_deg=root_mean_square([error.euler_deg for error in errors]),
+        rotation_vector_rms_deg=root_mean_square([e.rotation_vector_deg for e in errors]),
     )
 
 
@@ -127,8 +86,10 @@ def frame_nees(estimate: PoseEstimate, truth: RigidTransform) -> float | None:
     """Return the normalised estimation error squared ``e^T P^-1 e`` of one frame.
 
     Chi-square with six degrees of freedom for an honest covariance (Bar-Shalom, Li and Kirubarajan
-    2001, section 5.4). None where P cannot be inverted.
+    2001, section 5.4). None where none is stated, or it cannot be inverted.
     """
+    if estimate.covariance is None:
+        return None
     error = error_vector(pose_error(estimate.cam_from_target, truth))
     try:
         return float(error @ np.linalg.solve(estimate.covariance, error))
@@ -145,10 +106,3 @@ def consistency(nees: Sequence[float]) -> Nees:
     low, high = (float(chi2.ppf(p, dof) / dof) for p in (tail, 1.0 - tail))
     mean = float(np.mean(np.sort(nees)) / POSE_DOF)
     return Nees(mean, [low, high], low <= mean <= high)
-
-
-def runtime(runtime_ms: Sequence[float]) -> Runtime:
-    """Summarise runtimes, ms."""
-    if not runtime_ms:
-        return Runtime(None, None)
-    return Runtime(float(np.median(runtime_ms)), float(np.percentile(runtime_ms, 95.0)))

@@ -1,30 +1,41 @@
-"""Score a dataset: every pipeline variant that has spoken, against the truth, into score.json.
+"""Score a dataset: every pipeline that has spoken, against the truth, into ``score.json``.
 
-The truth of a frame is that of its 850 nm exposure, to whose middle the estimate is stamped. A
-frame without a pose is never dropped: it counts in ``frames`` and is listed in ``lost``. The same
-estimates and truth give the same bytes, ``runtime_ms`` apart. What each number means is told by
-the dataclasses of ``bench.scoring.score_card``.
+A frame without a pose is never dropped: it counts in ``frames`` and is listed in ``lost``. The same
+estimates and truth give the same bytes, ``runtime_ms`` apart. Version 2 has for each pipeline a
+``core``, which is the same for every chain, the chain's own ``parts`` by name, and ``per_frame``;
+``docs/migration.md`` says where the keys of version 1 have gone. A ``checksum`` of all but the
+runtimes tells a whole score from one that was cut or edited.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
-from dataclasses import asdict
+from collections.abc import Sequence
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
-from bench.estimating.runs import found_runs, found_variants, read_run
-from bench.scoring.judged_frames import read_true_dataset
-from bench.scoring.score_card import SCORE_FORMAT, SCORE_VERSION, Score
-from bench.scoring.variant_score import score_variant
+from bench.chains.catalogue import chain_named
+from bench.chains.chain import Chain
+from bench.estimating.runs import (
+    estimates_path,
+    found_runs,
+    found_variants,
+    read_run,
+    spoken_variants,
+)
+from bench.scoring.core_score import core_score
+from bench.scoring.judgement import Judgement
 from models.atomic_file import write_text
-from models.dataset.dataset import read_info
-from models.errors import DatasetError, UnreadableError, cause
-from models.reading.json_file import read_json
+from models.dataset.dataset import Dataset, open_dataset
+from models.errors import DatasetError, UnreadableError
+from models.reading.json_file import read_json_table
 
+FORMAT, VERSION = "rvbench-score", 2
+OLD_FORMATS = ("rvbench-score", "rvbench-tumble-score")
 SIGNIFICANT_DIGITS = 9  # far below any error, far above what differs between processors
+MOST_BYTES = 4_000_000_000
 
 
 def score_dataset(folder: Path) -> dict[str, Any]:
@@ -40,26 +51,27 @@ def score_dataset(folder: Path) -> dict[str, Any]:
     DatasetError
         If the dataset, its truth half or its estimates are missing or do not belong together.
     """
-    info = read_info(folder)
-    dataset = read_true_dataset(folder)
-    if not dataset.frames:
-        raise DatasetError(f"{folder}/frames.csv: expected at least one frame, found none")
-    pipelines = {}
-    for variant in found_variants(folder):
-        numbers = found_runs(folder, variant)
-        runs = [read_run(folder, number, variant, dataset.entries) for number in numbers]
-        pipelines[variant] = score_variant(runs, dataset)
-    score = Score(
-        format=SCORE_FORMAT,
-        version=SCORE_VERSION,
-        case=info.case,
-        sun=info.sun,
-        target=info.target,
-        frames=len(dataset.frames),
-        runs=max(variant.pooled.runs for variant in pipelines.values()),
-        pipelines=pipelines,
+    dataset = open_dataset(folder)
+    dataset.check_images()
+    chain = chain_named(dataset.info.chain)
+    truth = chain.truth(dataset)
+    pipelines = {label: _score(dataset, chain, truth, label) for label in found_variants(folder)}
+    info = dataset.info
+    scored: dict[str, Any] = _rounded(
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "case": info.case,
+            "sun": info.sun,
+            "target": info.target,
+            "chain": info.chain,
+            "frames": len(dataset.entries),
+            "runs": max(each["core"]["pooled"]["runs"] for each in pipelines.values()),
+            "estimates": {label: estimates_hash(folder, label) for label in pipelines},
+            "pipelines": pipelines,
+        }
     )
-    table: dict[str, Any] = _rounded(asdict(score))
+    table = {**scored, "checksum": _checksum(scored)}
     write_text(folder / "score.json", json.dumps(table, indent=1, allow_nan=False) + "\n")
     return table
 
@@ -70,37 +82,124 @@ def read_score(folder: Path) -> dict[str, Any]:
     Raises
     ------
     DatasetError
-        If it is missing, broken, or of another version.
+        If it is missing, broken, of another version, or of other estimates than those there are.
     """
-    path = folder / "score.json"
+    path, again = folder / "score.json", f"run `rvbench score {folder}`"
     try:
-        table = read_json(path)
+        table = read_json_table(path, MOST_BYTES)
     except UnreadableError as error:
         raise DatasetError(
-            f"expected a score at {path}, got: {cause(error)}; run `rvbench score {folder}` first"
+            f"expected a score at {path}, got: {error.told}; {again} first"
         ) from error
-    known = isinstance(table, dict) and table.get("format") == SCORE_FORMAT
-    if not known or table.get("version") != SCORE_VERSION:
+    if table.get("format") in OLD_FORMATS and table.get("version") == 1:
         raise DatasetError(
-            f"{path}: expected {SCORE_FORMAT} version {SCORE_VERSION}, got another; "
-            f"run `rvbench score {folder}` again"
+            f"{path}: expected {FORMAT} version {VERSION}, got {table['format']} version 1, whose "
+            f"keys have moved (docs/migration.md says where to); {again} again"
+        )
+    if (table.get("format"), table.get("version")) != (FORMAT, VERSION):
+        raise DatasetError(
+            f"{path}: expected {FORMAT} version {VERSION}, got another; {again} again"
         )
     if broken := _what_is_broken(table):
+        raise DatasetError(f"{path}: expected a whole score, but {broken}; {again} again")
+    unscored = sorted({*spoken_variants(folder)} - {*table["estimates"]})
+    if unscored:
         raise DatasetError(
-            f"{path}: expected a whole score, but {broken}; run `rvbench score {folder}` again"
+            f"{path}: expected a score of all the estimates that are there, but "
+            f"{', '.join(unscored)} came later; {again} again"
         )
-    return dict(table)
+    for label, own in table["estimates"].items():
+        if estimates_hash(folder, label) != own:
+            raise DatasetError(
+                f"{path}: expected a score of the estimates that are there, but {label}'s have "
+                f"changed since; {again} again"
+            )
+    return table
+
+
+def estimates_hash(folder: Path, label: str) -> str:
+    """Return a hash of a pipeline's estimates in all runs, as hexadecimal text."""
+    digest = hashlib.sha256()
+    for number in found_runs(folder, label):
+        digest.update(estimates_path(folder, number, label).read_bytes())
+    return digest.hexdigest()
+
+
+def _score(dataset: Dataset, chain: Chain, truth: Any, label: str) -> dict[str, Any]:
+    numbers = found_runs(dataset.folder, label)
+    runs = [read_run(dataset, number, label) for number in numbers]
+    judged = [chain.judge(run, truth) for run in runs]
+    core = core_score(judged, list(runs[0].runtime_ms.values()))
+    parts = {part.name: _plain(part.score(judged, truth, label)) for part in chain.parts}
+    rows = zip(judged[0], chain.frame_rows(judged, truth), strict=True)
+    return {
+        "core": asdict(core),
+        "parts": parts,
+        "per_frame": [{**_row(judgement), **own} for judgement, own in rows],
+    }
+
+
+def _row(judgement: Judgement) -> dict[str, Any]:
+    """Return what every chain says of a frame."""
+    said = judgement.estimate
+    return {
+        "frame": said.frame,
+        "time_s": said.time_s,
+        "range_m": judgement.range_m,
+        "mode": said.mode or None,
+        "reason": judgement.reason,
+        "missed": judgement.missed,
+        "wrong": judgement.wrong,
+        "position_error_mm": None if judgement.position_m is None else 1e3 * judgement.position_m,
+        "attitude_error_deg": judgement.attitude_deg,
+    }
+
+
+def _plain(part: Any) -> Any:
+    if is_dataclass(part) and not isinstance(part, type):
+        return asdict(part)
+    if isinstance(part, list | tuple):
+        return [_plain(item) for item in part]
+    return part
 
 
 def _what_is_broken(table: dict[str, Any]) -> str:
-    """Say what keeps a table from being a ``Score``; nothing if it is one."""
-    try:
-        score = TypeAdapter(Score).validate_python(table)
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        return f"at {place}: {first['msg'].lower()}"
-    return "" if score.pipelines else "no pipeline is in it"
+    """Say what keeps a table from being a score; nothing if it is one."""
+    for key in ("case", "sun", "target", "chain"):
+        if not isinstance(table.get(key), str):
+            return f"{key} is no text"
+    pipelines, told = table.get("pipelines"), table.get("estimates")
+    if not isinstance(pipelines, dict) or not pipelines:
+        return "no pipeline is in it"
+    if not isinstance(told, dict) or set(told) != set(pipelines):
+        return "it does not say of which estimates it is"
+    for label, own in pipelines.items():
+        for key, kind in (("core", dict), ("parts", dict), ("per_frame", list)):
+            if not isinstance(own, dict) or not isinstance(own.get(key), kind):
+                return f"pipelines.{label} lacks {key}"
+        if not _are_times(own["core"].get("runtime_ms")):
+            return f"pipelines.{label}.core.runtime_ms has not two numbers"
+    content = {key: value for key, value in table.items() if key != "checksum"}
+    if table.get("checksum") != _checksum(content):
+        return "something in it is missing or was changed since it was written"
+    return ""
+
+
+def _are_times(told: Any) -> bool:
+    return isinstance(told, dict) and all(
+        told.get(key, "") is None or type(told.get(key)) in (int, float)
+        for key in ("median", "p95")
+    )
+
+
+def _checksum(content: dict[str, Any]) -> str:
+    """Return a hash of a score but for its runtimes, which change from run to run."""
+    pipelines = {
+        label: {**own, "core": {**own["core"], "runtime_ms": None}}
+        for label, own in content["pipelines"].items()
+    }
+    text = json.dumps({**content, "pipelines": pipelines}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _rounded(value: Any) -> Any:
@@ -111,3 +210,8 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_rounded(item) for item in value]
     return value
+
+
+def shown_labels(score: dict[str, Any]) -> Sequence[str]:
+    """Return the labels of a score's pipelines, ``best`` first."""
+    return sorted(score["pipelines"], key=lambda label: (label != "best", label))

@@ -109,6 +109,12 @@ def seconds_path(folder: Path, unit: WorkUnit) -> Path:
 def write_outcome(folder: Path, unit: WorkUnit, outcome: Outcome) -> None:
     """Keep what a unit came to; its values are written last, and whole or not at all.
 
+    Parameters
+    ----------
+    folder : Path
+    unit : WorkUnit
+    outcome : Outcome
+
     Raises
     ------
     StorageError

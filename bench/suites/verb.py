@@ -59,7 +59,13 @@ class Suite:
     """seed of all draws"""
 
     def run(self) -> int:
-        """Run what is missing, and say what came of it."""
+        """Run what is missing, and say what came of it.
+
+        Raises
+        ------
+        ScenarioError
+            If there is to be no worker, or the suite or an option is none.
+        """
         from bench.suites.catalogue import suite_by_name
         from bench.suites.request import SuiteRequest
 

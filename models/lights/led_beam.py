@@ -45,7 +45,17 @@ class LedRing:
         return float(np.log(0.5) / np.log(np.cos(np.deg2rad(self.half_intensity_deg))))
 
     def relative_intensity(self, cosine: ArrayLike) -> Floats:
-        """Return I(theta) / I0 for cosines of the angle off axis; nothing goes backwards."""
+        """Return I(theta) / I0 for cosines of the angle off axis; nothing goes backwards.
+
+        Parameters
+        ----------
+        cosine : (...,) array
+
+        Returns
+        -------
+        (...,) array
+            In [0, 1].
+        """
         return np.maximum(np.asarray(cosine, dtype=np.float64), 0.0) ** self.exponent
 
     @property
@@ -61,6 +71,10 @@ class LedRing:
         Parameters
         ----------
         points_in_cam, normals_in_cam : (n, 3) arrays, m and unit
+
+        Returns
+        -------
+        (n,) array, W/m2
         """
         points = np.asarray(points_in_cam, dtype=np.float64)[:, None, :]
         normals = np.asarray(normals_in_cam, dtype=np.float64)[:, None, :]

@@ -50,6 +50,15 @@ def direction_from_azimuth(azimuth_deg: float, elevation_deg: float) -> Floats:
 def unit_direction(vector: ArrayLike) -> Floats:
     """Scale a typed Sun vector, target frame, to length one.
 
+    Parameters
+    ----------
+    vector : (3,) array
+        Towards the Sun, of any length.
+
+    Returns
+    -------
+    (3,) array
+
     Raises
     ------
     ScenarioError
@@ -70,6 +79,11 @@ def unit_direction(vector: ArrayLike) -> Floats:
 
 def sun_direction(text: str) -> Floats:
     """Read ``S1`` to ``S7`` or ``x,y,z`` into a unit vector in the target frame.
+
+    Returns
+    -------
+    (3,) array
+        Towards the Sun.
 
     Raises
     ------

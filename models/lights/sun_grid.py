@@ -47,7 +47,13 @@ class NamedSun:
 
 
 def azimuth_elevation_deg(direction_in_target: Floats) -> tuple[float, float]:
-    """Return azimuth, in [0, 360), and elevation of a unit vector, deg."""
+    """Return azimuth, in [0, 360), and elevation of a unit vector, deg.
+
+    Parameters
+    ----------
+    direction_in_target : (3,) array
+        Of length one.
+    """
     x, y, z = (float(component) for component in direction_in_target)
     level = float(np.hypot(x, y))
     elevation_deg = float(np.rad2deg(np.arctan2(z, level)))

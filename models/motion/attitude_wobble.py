@@ -39,6 +39,13 @@ class AttitudeWobble:
         axis at their peaks stay within them. The turn's angular rate is never more than the rate
         of its rotation vector, so bounding the latter on each axis bounds the former.
 
+        Parameters
+        ----------
+        accuracy_deg : float, deg
+        max_rate_deg_s : float, deg/s
+        seed : int
+            The same seed draws the same wobble.
+
         Raises
         ------
         ValueError

@@ -23,6 +23,16 @@ def corrupted(
     """Return the chaser's state with Gaussian noise on each axis, fresh for every frame.
 
     The same (seed, run, frame) always draws the same noise, whatever was drawn before.
+
+    Parameters
+    ----------
+    chaser : ChaserState
+        The truth.
+    seed, run, frame : int
+    sigma_m : float, m
+        1 sigma of the position on each inertial axis.
+    sigma_m_s : float, m/s
+        1 sigma of the velocity on each.
     """
     draw = np.random.default_rng([seed, run, CHASER_DRAW, frame]).standard_normal(6)
     return ChaserState(

@@ -52,7 +52,15 @@ def state_transition(mean_motion_rad_s: float, time_s: float) -> Floats:
 
 
 def propagate(state: ArrayLike, mean_motion_rad_s: float, time_s: float) -> Floats:
-    """Return the (6,) state ``time_s`` later, no thrust and no perturbation between."""
+    """Return the (6,) state ``time_s`` later, no thrust and no perturbation between.
+
+    Parameters
+    ----------
+    state : (6,) array, m and m/s
+    mean_motion_rad_s : float, rad/s
+    time_s : float, s
+        May be negative.
+    """
     return state_transition(mean_motion_rad_s, time_s) @ np.asarray(state, dtype=np.float64)
 
 

@@ -90,7 +90,19 @@ class KeplerOrbit:
         argument_of_perigee_deg: float,
         true_anomaly_deg: float,
     ) -> KeplerOrbit:
-        """Read the elements as the papers' tables print them."""
+        """Read the elements as the papers' tables print them.
+
+        Parameters
+        ----------
+        a_km : float, km
+            Semi-major axis.
+        e : float
+            Eccentricity, in [0, 1).
+        i_deg, raan_deg, argument_of_perigee_deg : float, deg
+            Inclination, right ascension of the ascending node, argument of perigee.
+        true_anomaly_deg : float, deg
+            At time zero.
+        """
         return cls(
             1e3 * a_km,
             e,

@@ -30,6 +30,13 @@ def nonlinear_rate(orbit: KeplerOrbit, time_s: float, state: Floats) -> Floats:
     The difference of the two attractions loses eight digits when taken as printed; Battin's q
     takes it without loss: ``(1 + q)`` is the ratio of the two squared distances from Earth.
 
+    Parameters
+    ----------
+    orbit : KeplerOrbit
+        The chaser's.
+    time_s : float, s
+    state : (6,) array, m and m/s
+
     References
     ----------
     Pesce et al. 2019, equation 11; Battin, An Introduction to the Mathematics and Methods of
@@ -47,6 +54,13 @@ def nonlinear_rate(orbit: KeplerOrbit, time_s: float, state: Floats) -> Floats:
 def linear_rate(orbit: KeplerOrbit, time_s: float, state: Floats) -> Floats:
     """Return the (6,) rate of a state, linear in it: what Yamanaka and Ankersen solved.
 
+    Parameters
+    ----------
+    orbit : KeplerOrbit
+        The chaser's.
+    time_s : float, s
+    state : (6,) array, m and m/s
+
     References
     ----------
     Yamanaka and Ankersen, New State Transition Matrix for Relative Motion on an Arbitrary
@@ -60,6 +74,17 @@ def integrate(
     orbit: KeplerOrbit, state: ArrayLike, span_s: tuple[float, float], rate: Flow = nonlinear_rate
 ) -> OdeSolution:
     """Integrate a state over a span of time; the result is a function of time, s.
+
+    Parameters
+    ----------
+    orbit : KeplerOrbit
+        The chaser's.
+    state : (6,) array, m and m/s
+        At the span's first time.
+    span_s : (float, float), s
+        Earlier, then later.
+    rate : callable
+        ``nonlinear_rate`` or ``linear_rate``, or another of their arguments.
 
     Raises
     ------

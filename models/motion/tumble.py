@@ -65,7 +65,8 @@ class Tumble:
             value = getattr(self, name)
             if value.shape != (3,) or not np.isfinite(value).all():
                 raise ValueError(f"expected three finite numbers as {name}, got {value}")
-        RigidTransform(self.R_lvlh_from_target, self.rho0_in_lvlh)  # refuses what is no rotation
+        exact = RigidTransform(self.R_lvlh_from_target, self.rho0_in_lvlh).rotation
+        object.__setattr__(self, "R_lvlh_from_target", exact)
 
     @classmethod
     def from_case(
@@ -78,7 +79,22 @@ class Tumble:
         inertia_kg_m2: Sequence[Sequence[float]],
         duration_s: float,
     ) -> Tumble:
-        """Read a case as Pesce et al. 2019, Table 4, print it; the target starts along the axes."""
+        """Read a case as Pesce et al. 2019, Table 4, print it; the target starts along the axes.
+
+        Parameters
+        ----------
+        orbit : KeplerOrbit
+            The chaser's.
+        rho0_m : 3 floats, m
+            From the chaser's centre of mass to the target's at time zero, in the local frame.
+        rho_dot0_m_s : 3 floats, m/s
+            Its rate in that turning frame.
+        omega_t0_deg_s : 3 floats, deg/s
+            The target's inertial rate at time zero, in target axes.
+        inertia_kg_m2 : 3 by 3 floats, kg m2
+            In target axes.
+        duration_s : float, s
+        """
         return cls(
             orbit,
             np.array(rho0_m, dtype=np.float64),

@@ -22,6 +22,12 @@ _OUT_OF_PLANE = np.ix_([1, 4], [1, 4])
 def state_transition(orbit: KeplerOrbit, from_s: float, to_s: float) -> Floats:
     """Return the (6, 6) matrix that carries a state from one time to another, earlier or later.
 
+    Parameters
+    ----------
+    orbit : KeplerOrbit
+        Of the satellite whose local frame it is.
+    from_s, to_s : float, s
+
     References
     ----------
     Yamanaka and Ankersen, New State Transition Matrix for Relative Motion on an Arbitrary

@@ -43,6 +43,10 @@ class AutoExposure:
         """Return the metered level of a uint16 image, DN.
 
         It is the smallest level that at least the percentile's share of the pixels do not exceed.
+
+        Parameters
+        ----------
+        image : (height, width) array, DN
         """
         counts = np.bincount(image.ravel())
         wanted = np.ceil(self.percentile / 100.0 * image.size)

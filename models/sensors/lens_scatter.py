@@ -51,6 +51,14 @@ class LensScatter:
         """Return the scattering function, 1/sr, by the cosine of the angle to the Sun.
 
         Beyond a right angle nothing reaches the lens: 0.
+
+        Parameters
+        ----------
+        cosine : (...,) array
+
+        Returns
+        -------
+        (...,) array, 1/sr
         """
         cosine = np.asarray(cosine, dtype=np.float64)
         sine2 = np.maximum(1.0 - cosine**2, 0.0) / np.sin(np.deg2rad(self.shoulder_deg)) ** 2

@@ -55,7 +55,17 @@ def visual_minus_infrared(b_v: float, red_class: str) -> float:
 
 
 def irradiance_w_m2(visual_mag: float, b_v: float, red_class: str = "") -> float:
-    """Return the irradiance of a star in the passband, W m-2, on a surface that faces it."""
+    """Return the irradiance of a star in the passband, W m-2, on a surface that faces it.
+
+    Parameters
+    ----------
+    visual_mag : float
+        V.
+    b_v : float
+        B-V.
+    red_class : str
+        As ``visual_minus_infrared`` takes it.
+    """
     colour = visual_minus_infrared(b_v, red_class)
     magnitude = visual_mag - (1.0 + REDDER) * colour
     return float(ZERO_MAGNITUDE_W_M2 * 10.0 ** (-0.4 * magnitude))

@@ -54,7 +54,22 @@ def rectangle_blanket(
     seams: tuple[Line, ...] = (),
     hole: Circle | None = None,
 ) -> Blanket:
-    """Return a blanket from (0, 0) to its size, held down and taped along its four edges."""
+    """Return a blanket from (0, 0) to its size, held down and taped along its four edges.
+
+    Parameters
+    ----------
+    across_m, along_m : float, m
+        Size along x and along y.
+    facet_m : float, m
+        Of the smallest facets.
+    seed : int
+    relief_m : float, m
+        Height of the creases; the bulge between seams adds a quarter of it.
+    seams : tuple of ((float, float), (float, float)), m
+        Further lines that are taped.
+    hole : (float, float, float) or None, m
+        (x, y, radius) of a cut-out.
+    """
     t = 0.5 * TAPE_WIDTH_M
     edges: tuple[Line, ...] = (
         ((0.0, t), (across_m, t)),
@@ -98,7 +113,18 @@ def on_quad(mesh: trimesh.Trimesh, size: tuple[float, float], corners: Floats) -
 
 
 def quad_foil(corners: Floats, facet_m: float, seed: int, relief_m: float) -> trimesh.Trimesh:
-    """Return foil over a flat quadrilateral, (4, 3) m; see ``on_quad``."""
+    """Return foil over a flat quadrilateral; see ``on_quad``.
+
+    Parameters
+    ----------
+    corners : (4, 3) array, m
+        Counter-clockwise seen from outside.
+    facet_m : float, m
+        Of the smallest facets.
+    seed : int
+    relief_m : float, m
+        Height of the creases.
+    """
     across = float(np.linalg.norm(corners[1] - corners[0]))
     along = float(np.linalg.norm(corners[3] - corners[0]))
     blanket = rectangle_blanket(across, along, facet_m, seed, relief_m)
@@ -154,7 +180,17 @@ def tube_foil(
 ) -> trimesh.Trimesh:
     """Return foil round a cylinder about the z axis, closed along a line at +x.
 
-    ``seams_m`` are the heights, from the bottom, of the rings that hold the foil down.
+    Parameters
+    ----------
+    radius_m, bottom_m, top_m : float, m
+        Of the cylinder that is wrapped.
+    facet_m : float, m
+        Of the smallest facets.
+    seed : int
+    relief_m : float, m
+        Height of the creases.
+    seams_m : tuple of float, m
+        Heights, from the bottom, of the rings that hold the foil down.
     """
     around, length = 2.0 * np.pi * radius_m, top_m - bottom_m
     seams: tuple[Line, ...] = tuple(((0.0, z), (around, z)) for z in seams_m)

@@ -38,7 +38,15 @@ class Outline:
 
 
 def box_outline(name: str, low: ArrayLike, high: ArrayLike) -> Outline:
-    """Return a box's 8 corners, ``{name}_plus_x_minus_y_plus_z``, 12 edges and 12 triangles."""
+    """Return a box's 8 corners, ``{name}_plus_x_minus_y_plus_z``, 12 edges and 12 triangles.
+
+    Parameters
+    ----------
+    name : str
+        Of the component.
+    low, high : (3,) arrays, m
+        The two opposite corners.
+    """
     ends = np.array([low, high], dtype=np.float64)
     choices = list(product(SIGNS, repeat=3))
     points = np.array([[ends[i, axis] for axis, (_, i) in enumerate(c)] for c in choices])
@@ -57,7 +65,16 @@ def box_outline(name: str, low: ArrayLike, high: ArrayLike) -> Outline:
 
 
 def sheet_outline(component: str, names: tuple[str, ...], corners: ArrayLike) -> Outline:
-    """Return a flat convex sheet's corners, (n, 3) m in order, its rim and a fan of triangles."""
+    """Return a flat convex sheet's corners, its rim and a fan of triangles.
+
+    Parameters
+    ----------
+    component : str
+    names : tuple of str
+        One for each corner.
+    corners : (n, 3) array, m
+        In order round the rim.
+    """
     points = np.asarray(corners, dtype=np.float64)
     rim = tuple((i, (i + 1) % len(points)) for i in range(len(points)))
     fan = np.array([[0, i, i + 1] for i in range(1, len(points) - 1)])
@@ -75,6 +92,14 @@ def wireframe(
     """Join outlines into a wireframe; corners of one name are one landmark.
 
     The appendage subset T is set by ``is_appendage``.
+
+    Parameters
+    ----------
+    name : str
+        The target's.
+    outlines : iterable of Outline
+    symmetries : tuple of (3, 3) arrays
+        As ``Wireframe`` has them.
     """
     pieces = list(outlines)
     index: dict[str, int] = {}
@@ -115,6 +140,10 @@ def is_appendage(points: Floats, components: Sequence[str]) -> Mask:
         From the centre of mass.
     components : sequence of str
         The component of each landmark.
+
+    Returns
+    -------
+    (m,) array of bool
     """
     distance = np.linalg.norm(points, axis=1)
     of = np.array(components)

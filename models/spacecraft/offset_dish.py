@@ -47,7 +47,17 @@ class OffsetDish:
         return self.axis_x_m + self.clearance_m + 0.5 * self.diameter_m
 
     def surface_height(self, x: Floats, y: Floats) -> Floats:
-        """Return z of the reflecting face, m: ``z = z_vertex - rho^2 / 4 f``."""
+        """Return z of the reflecting face, m: ``z = z_vertex - rho^2 / 4 f``.
+
+        Parameters
+        ----------
+        x, y : (...,) arrays, m
+            In the dish's frame.
+
+        Returns
+        -------
+        (...,) array, m
+        """
         return np.asarray(
             self.vertex_z_m - ((x - self.axis_x_m) ** 2 + y**2) / (4.0 * self.focal_length_m)
         )

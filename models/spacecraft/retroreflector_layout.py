@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 
 RADIUS_M = 0.0127  # section 3.1
 

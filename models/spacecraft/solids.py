@@ -22,7 +22,13 @@ SHARP_DEG = 20.0  # profiles that turn by more have an edge there
 
 
 def mesh_of(vertices: ArrayLike, faces: ArrayLike) -> trimesh.Trimesh:
-    """Return triangles exactly as given: nothing merged, nothing dropped."""
+    """Return triangles exactly as given: nothing merged, nothing dropped.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array, m
+    faces : (f, 3) array of int
+    """
     return trimesh.Trimesh(
         np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64), process=False
     )
@@ -100,7 +106,15 @@ def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> trimesh.Trimesh
 
 
 def bar(start: ArrayLike, end: ArrayLike, width_m: float, depth_m: float) -> trimesh.Trimesh:
-    """Return a straight bar of rectangular section between two points."""
+    """Return a straight bar of rectangular section between two points.
+
+    Parameters
+    ----------
+    start, end : (3,) arrays, m
+        Middles of its two ends.
+    width_m, depth_m : float, m
+        Of the section.
+    """
     a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length = float(np.linalg.norm(b - a))
     return placed(box((width_m, depth_m, length)), standing(0.5 * (a + b), b - a))
@@ -160,19 +174,42 @@ def _ring_faces(rows: int, segments: int, is_pole: AnyArray) -> AnyArray:
 
 
 def disc(radius_m: float, z_m: float, segments: int) -> trimesh.Trimesh:
-    """Return a flat disc facing +z."""
+    """Return a flat disc facing +z.
+
+    Parameters
+    ----------
+    radius_m, z_m : float, m
+    segments : int
+        Sides of the polygon that stands for the circle.
+    """
     return lathe([(radius_m, z_m), (0.0, z_m)], segments)
 
 
 def cylinder(radius_m: float, bottom_m: float, top_m: float, segments: int) -> trimesh.Trimesh:
-    """Return a solid cylinder about the z axis."""
+    """Return a solid cylinder about the z axis.
+
+    Parameters
+    ----------
+    radius_m, bottom_m, top_m : float, m
+    segments : int
+        Sides of the polygon that stands for the circle.
+    """
     return frustum(radius_m, radius_m, bottom_m, top_m, segments)
 
 
 def frustum(
     bottom_radius_m: float, top_radius_m: float, bottom_m: float, top_m: float, segments: int
 ) -> trimesh.Trimesh:
-    """Return a solid truncated cone about the z axis."""
+    """Return a solid truncated cone about the z axis.
+
+    Parameters
+    ----------
+    bottom_radius_m, top_radius_m : float, m
+    bottom_m, top_m : float, m
+        Heights.
+    segments : int
+        Sides of the polygon that stands for the circle.
+    """
     return lathe(
         [(0.0, bottom_m), (bottom_radius_m, bottom_m), (top_radius_m, top_m), (0.0, top_m)],
         segments,
@@ -187,7 +224,19 @@ def cup(
     wall_m: float,
     segments: int,
 ) -> trimesh.Trimesh:
-    """Return an open cone with a wall and a floor, such as a horn or a baffle, mouth up."""
+    """Return an open cone with a wall and a floor, such as a horn or a baffle, mouth up.
+
+    Parameters
+    ----------
+    bottom_radius_m, top_radius_m : float, m
+        Outside.
+    bottom_m, top_m : float, m
+        Heights.
+    wall_m : float, m
+        Thickness of the floor, and of the wall across the axis.
+    segments : int
+        Sides of the polygon that stands for the circle.
+    """
     return lathe(
         [
             (0.0, bottom_m),
@@ -202,7 +251,13 @@ def cup(
 
 
 def prism(outline: ArrayLike, bottom_m: float, top_m: float) -> trimesh.Trimesh:
-    """Raise a convex counter-clockwise outline, (n, 2) m, between two heights."""
+    """Raise a convex counter-clockwise outline between two heights.
+
+    Parameters
+    ----------
+    outline : (n, 2) array, m
+    bottom_m, top_m : float, m
+    """
     corners = np.asarray(outline, dtype=np.float64)
     n = len(corners)
     low = np.column_stack([corners, np.full(n, bottom_m)])
@@ -226,7 +281,18 @@ def prism(outline: ArrayLike, bottom_m: float, top_m: float) -> trimesh.Trimesh:
 def holed_square(
     half_m: float, hole_radius_m: float, bottom_m: float, top_m: float, segments: int
 ) -> trimesh.Trimesh:
-    """Return a square plate with a round hole in its middle; ``segments`` a multiple of 8."""
+    """Return a square plate with a round hole in its middle.
+
+    Parameters
+    ----------
+    half_m : float, m
+        Half the square's side.
+    hole_radius_m : float, m
+    bottom_m, top_m : float, m
+        Heights.
+    segments : int
+        Sides of the polygon that stands for the hole; a multiple of 8.
+    """
     angles = 2.0 * np.pi * np.arange(segments) / segments
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     square = half_m * circle / np.abs(circle).max(axis=1, keepdims=True)
@@ -248,7 +314,15 @@ def hexagon(across_flats_m: float) -> Floats:
 
 
 def tube(points: ArrayLike, radius_m: float, sides: int = 8) -> trimesh.Trimesh:
-    """Sweep a circle along a polyline, (n, 3) m, and close its ends."""
+    """Sweep a circle along a polyline and close its ends.
+
+    Parameters
+    ----------
+    points : (n, 3) array, m
+    radius_m : float, m
+    sides : int
+        Of the polygon that stands for the circle.
+    """
     path = np.asarray(points, dtype=np.float64)
     steps = np.diff(path, axis=0)
     steps = steps / np.linalg.norm(steps, axis=1, keepdims=True)
@@ -281,6 +355,13 @@ def cropped_tiles(centres: ArrayLike, size: Sequence[float], crop_m: float) -> t
     """Return ``tiles`` whose two corners at +y are cut off by ``crop_m``, as solar cells' are.
 
     Each is a convex hexagon of 6 vertices, in order from (-x, -y) counter-clockwise.
+
+    Parameters
+    ----------
+    centres : (n, 3) array, m
+    size : (float, float), m
+        Along x and along y.
+    crop_m : float, m
     """
     middle = np.asarray(centres, dtype=np.float64)
     x, y = 0.5 * np.asarray(size, dtype=np.float64)

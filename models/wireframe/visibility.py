@@ -44,6 +44,13 @@ def visible_edge_pieces(
 ) -> EdgePieces:
     """Return ``samples`` points along each edge and which of them are seen.
 
+    Parameters
+    ----------
+    wireframe : Wireframe
+    cam_from_target : RigidTransform
+    samples : int
+        At least 2; both ends count.
+
     Raises
     ------
     ValueError
@@ -64,7 +71,20 @@ def visible_edge_pieces(
 
 
 def visible_points(wireframe: Wireframe, points: Floats, cam_from_target: RigidTransform) -> Mask:
-    """Tell which points on the target, (n, 3) m, are in front and not hidden, (n,)."""
+    """Tell which points on the target are in front and not hidden.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+        Whose triangles hide.
+    points : (n, 3) array, m
+        In the target frame.
+    cam_from_target : RigidTransform
+
+    Returns
+    -------
+    (n,) array of bool
+    """
     camera = cam_from_target.inverse().translation
     meets = _meet(wireframe.triangles_in_target - camera, (points - camera)[None])
     return _in_front(points, cam_from_target) & ~meets.any(axis=0)

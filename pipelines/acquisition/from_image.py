@@ -106,7 +106,20 @@ class ImageAcquisition:
 
 
 def reduced(image: Image, camera: Camera, width: int) -> tuple[Image, Camera]:
-    """Return an image and its camera with pixels averaged, no wider than ``width``."""
+    """Return an image and its camera with pixels averaged, no wider than ``width``.
+
+    Parameters
+    ----------
+    image : (height, width) array, DN
+    camera : Camera
+    width : int, px
+
+    Returns
+    -------
+    image : (height, width) array, DN
+    camera : Camera
+        Of the image that is returned.
+    """
     if image.shape[1] <= width:
         return image, camera
     small = camera.resized(width)
@@ -116,7 +129,16 @@ def reduced(image: Image, camera: Camera, width: int) -> tuple[Image, Camera]:
 
 
 def edge_image(image: Image, camera: Camera, detector: Detector | None, width: int) -> EdgeImage:
-    """Find the target and its edges in an image, reduced to ``width``."""
+    """Find the target and its edges in an image, reduced to ``width``.
+
+    Parameters
+    ----------
+    image : (height, width) array, DN
+    camera : Camera
+    detector : Detector or None
+        As calibrated: gives the least noise there can be, and what saturated means.
+    width : int, px
+    """
     pixels, small = reduced(image, camera, width)
     target = find_target(pixels, detector)
     return EdgeImage(target, find_edges(target, detector), small)

@@ -48,7 +48,14 @@ class LandmarkTriples:
 
     @classmethod
     def among(cls, points_in_target: Floats, chosen: Indices) -> LandmarkTriples:
-        """List all ordered triples of the chosen landmarks that are not nearly in a line."""
+        """List all ordered triples of the chosen landmarks that are not nearly in a line.
+
+        Parameters
+        ----------
+        points_in_target : (n, 3) array, m
+        chosen : (k,) int array
+            Which of them.
+        """
         count = len(chosen)
         every = np.stack(np.meshgrid(*3 * [np.arange(count)], indexing="ij"), axis=-1)
         triples = every.reshape(-1, 3)

@@ -271,6 +271,11 @@ def wide_triples(points_px: Floats, chosen: Indices, count: int) -> list[Indices
         Points that may be picked.
     count : int
         Triples wanted.
+
+    Returns
+    -------
+    list of (3,) int arrays
+        No more than ``count``; which points, the widest triangle first.
     """
     away = np.linalg.norm(points_px - np.median(points_px, axis=0), axis=1)
     outer = chosen[np.argsort(-away[chosen], kind="stable")[:OUTERMOST]]

@@ -80,7 +80,15 @@ def directions_all_around(count: int) -> Floats:
 
 
 def look_from(direction: Floats, range_m: float) -> RigidTransform:
-    """Return ``cam_from_target`` of a camera that stands out along ``direction``, looking back."""
+    """Return ``cam_from_target`` of a camera that stands out along ``direction``, looking back.
+
+    Parameters
+    ----------
+    direction : (3,) array
+        Unit, target frame.
+    range_m : float, m
+        From the target's origin.
+    """
     forward = -direction
     helper = np.eye(3)[int(np.argmin(np.abs(forward)))]
     right = np.cross(helper, forward)
@@ -97,7 +105,16 @@ def shape_of(mask: Mask) -> tuple[Floats, float]:
 
 
 def cell_of(points: Floats, centroid: Floats, gyration: float) -> Floats:
-    """Return where points (n, 2) fall in a small picture, in cells."""
+    """Return where points fall in a small picture, in cells, (n, 2).
+
+    Parameters
+    ----------
+    points : (n, 2) array, px
+    centroid : (2,) array, px
+        Of the silhouette, as ``shape_of`` finds it.
+    gyration : float, px
+        Its radius of gyration.
+    """
     return (points - centroid) / gyration * (0.5 * CELLS / REACH) + 0.5 * (CELLS - 1)
 
 

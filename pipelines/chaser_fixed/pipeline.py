@@ -16,14 +16,15 @@ import numpy as np
 
 from models.arrays import Floats, Indices
 from models.errors import DatasetError
-from models.estimate import Detections, Estimate, NoPose, PoseEstimate
-from models.frame import FlightKnowledge, Frame
+from models.estimate import Detections, Estimate, PoseEstimate
+from models.frame import Frame
 from models.pose import RigidTransform
 from pipelines.chaser_fixed.identification import (
     identification_gate_px,
     nearest_neighbour,
     one_to_one,
 )
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.match import Match, Solution
 from pipelines.chaser_fixed.options import VARIANTS, ChaserFixedOptions, options_for
 from pipelines.chaser_fixed.refinement import fit_markers
@@ -32,6 +33,7 @@ from pipelines.detection.candidates import Candidates
 from pipelines.detection.disc_fit import ExpectedBlur
 from pipelines.detection.global_threshold import detect_by_global_threshold
 from pipelines.detection.image_difference import Region, swapped
+from pipelines.detection.image_pair import ImagePair, image_pair
 from pipelines.detection.marker_search import (
     PredictedMarkers,
     marker_regions,
@@ -49,6 +51,7 @@ __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
 COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
 MOST_GROWTH = 4.0
+FARTHEST_M = 1e6  # beyond it no marker is a pixel, in any camera
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,38 +94,46 @@ class ChaserFixed:
 
         Returns
         -------
-        PoseEstimate or NoPose
+        Estimate
+            A pose with its covariance, or a reason for none; never a state.
 
         Raises
         ------
         DatasetError
-            If the images are not of the camera's size.
+            If the frame holds no pair, or it is not of the camera's size.
         """
-        self._require_size(frame)
+        pair = image_pair(frame)
+        self._require_size(frame.index, pair)
         predicted = self._motion.predict(frame.time_s)
-        sighting = self._look(frame, predicted)
+        sighting = self._look(pair, predicted)
         if isinstance(sighting.outcome, str):
             self._motion.lost()
-            reason = self._explained(frame, predicted, sighting.outcome)
-            return NoPose(frame.index, frame.time_s, reason, self._unmatched(sighting.candidates))
+            return Estimate(
+                frame.index,
+                frame.time_s,
+                reason=self._explained(pair, predicted, sighting.outcome),
+                detections=self._unmatched(sighting.candidates),
+            )
         solution = sighting.outcome
         if self._options.centroiding == "disc_fit":
-            solution = self._refined(frame, solution)
+            solution = self._refined(pair, frame.time_s, solution, predicted)
         self._motion.found(frame.time_s, solution.pose, solution.covariance)
-        return PoseEstimate(
+        return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            cam_from_target=solution.pose,
-            covariance=solution.covariance,
+            pose=PoseEstimate(solution.pose, solution.covariance, solution.residual_rms_px),
             detections=self._detections(sighting, solution),
-            residual_rms_px=solution.residual_rms_px,
         )
 
     # Where to look, and for what.
 
-    def _look(self, frame: Frame, predicted: PredictedPose) -> _Sighting:
+    def _look(self, pair: ImagePair, predicted: PredictedPose) -> _Sighting:
+        depth_m = float(predicted.pose.translation[2])
+        if not self._markers.radius_m < depth_m < FARTHEST_M:
+            reason = f"the predicted target is {depth_m:.3g} m ahead of the camera, out of sight"
+            return _Sighting(Candidates.none(), reason)
         if self._options.threshold_rule != "per_blob":
-            return self._look_by_global_threshold(frame, predicted)
+            return self._look_by_global_threshold(pair, predicted)
         markers = predict_markers(self._camera, self._markers, predicted)
         if markers is None:
             return _Sighting(Candidates.none(), "no marker faces the camera in the predicted pose")
@@ -130,16 +141,16 @@ class ChaserFixed:
         if self._options.search_regions:
             regions = marker_regions(self._camera, markers, self._options, growth)
             if regions:
-                sighting = self._look_in(frame, predicted, markers, regions)
+                sighting = self._look_in(pair, predicted, markers, regions)
                 if not isinstance(sighting.outcome, str):
                     return sighting
-        return self._look_in(frame, predicted, markers, [Region.whole(frame.image_850)])
+        return self._look_in(pair, predicted, markers, [Region.whole(pair.image_850)])
 
-    def _look_by_global_threshold(self, frame: Frame, predicted: PredictedPose) -> _Sighting:
+    def _look_by_global_threshold(self, pair: ImagePair, predicted: PredictedPose) -> _Sighting:
         range_m = float(np.linalg.norm(predicted.pose.translation))
         radius = expected_radius_px(self._markers.radius_m, range_m, self._focal_px)
         candidates = detect_by_global_threshold(
-            frame, self._camera, self._detector, radius, self._options
+            pair, self._camera, self._detector, radius, self._options
         )
         reprojected = self._camera.project(predicted.pose @ self._markers.points_in_target)
         gate = self._gate_px(predicted)
@@ -151,16 +162,16 @@ class ChaserFixed:
             matched = one_to_one(gap**2 / gate**2, gap < gate)
         sigma = self._options.centroid_sigma_px
         match = self._match(candidates, matched, sigma)
-        return _Sighting(candidates, self._solved(match, predicted.pose, radius))
+        return _Sighting(candidates, self._solved(match, predicted.pose, radius, predicted))
 
     def _look_in(
         self,
-        frame: Frame,
+        pair: ImagePair,
         predicted: PredictedPose,
         markers: PredictedMarkers,
         regions: list[Region],
     ) -> _Sighting:
-        candidates = search(frame, self._camera, self._detector, markers, regions, self._options)
+        candidates = search(pair, self._camera, self._detector, markers, regions, self._options)
         points, radius = candidates.points_px, markers.radius_px
         sigma = self._coarse_sigma_px(radius)
         cost = pair_costs(points, markers, sigma)
@@ -168,7 +179,8 @@ class ChaserFixed:
         allowed = near | (cost < self._options.region_sigmas**2)
         matched = one_to_one(cost, allowed)
         match = self._match(candidates, matched, sigma)
-        outcome = self._plausible(self._solved(match, predicted.pose, radius), predicted)
+        outcome = self._solved(match, predicted.pose, radius, predicted)
+        outcome = self._plausible(outcome, predicted)
         if isinstance(outcome, str) and self._options.verify and len(candidates) >= 4:
             proposed = propose_match(
                 self._camera, self._markers, points, allowed, predicted, max(3.0, 0.5 * radius)
@@ -176,13 +188,18 @@ class ChaserFixed:
             if proposed is not None:
                 pose, voted = proposed
                 match = self._match(candidates, voted, sigma)
-                outcome = self._plausible(self._solved(match, pose, radius), predicted)
+                outcome = self._solved(match, pose, radius, predicted)
+                outcome = self._plausible(outcome, predicted)
         return _Sighting(candidates, outcome)
 
     # From matches to a pose.
 
-    def _solved(self, match: Match, start: RigidTransform, radius_px: float) -> Solution | str:
-        return solve_match(self._camera, self._markers, match, start, radius_px, self._options)
+    def _solved(
+        self, match: Match, start: RigidTransform, radius_px: float, predicted: PredictedPose
+    ) -> Solution | str:
+        return solve_match(
+            self._camera, self._markers, match, start, radius_px, self._options, predicted
+        )
 
     def _plausible(self, outcome: Solution | str, predicted: PredictedPose) -> Solution | str:
         """Refuse a pose far from the prediction that has next to no match to spare."""
@@ -192,11 +209,13 @@ class ChaserFixed:
             return outcome
         return f"{int(outcome.used.sum())} matched markers give a pose far from the predicted one"
 
-    def _refined(self, frame: Frame, coarse: Solution) -> Solution:
+    def _refined(
+        self, pair: ImagePair, time_s: float, coarse: Solution, predicted: PredictedPose
+    ) -> Solution:
         """Fit the discs and solve again; where too few can be fitted, the coarse pose stands."""
-        before = self._motion.shortly_before(frame.time_s, coarse.pose, self._options.pair_gap_s)
+        before = self._motion.shortly_before(time_s, coarse.pose, self._options.pair_gap_s)
         fitted = fit_markers(
-            frame,
+            pair,
             self._camera,
             self._detector,
             self._markers,
@@ -207,7 +226,7 @@ class ChaserFixed:
         )
         range_m = float(np.linalg.norm(coarse.pose.translation))
         radius = expected_radius_px(self._markers.radius_m, range_m, self._focal_px)
-        refined = self._solved(fitted.match, coarse.pose, radius)
+        refined = self._solved(fitted.match, coarse.pose, radius, predicted)
         if isinstance(refined, str):
             return coarse
         self._blur = ExpectedBlur(
@@ -255,9 +274,9 @@ class ChaserFixed:
             used=(False,) * count,
         )
 
-    def _explained(self, frame: Frame, predicted: PredictedPose, reason: str) -> str:
+    def _explained(self, pair: ImagePair, predicted: PredictedPose, reason: str) -> str:
         """Say so if the pair makes sense the other way round."""
-        if not isinstance(self._look(swapped(frame), predicted).outcome, str):
+        if not isinstance(self._look(swapped(pair), predicted).outcome, str):
             return (
                 "the markers shine in the 800 nm image, not in the 850 nm one: "
                 "the two images are swapped"
@@ -286,11 +305,11 @@ class ChaserFixed:
         each = np.broadcast_to(sigma_px**2 * np.eye(2), (len(points), 2, 2))
         return Match(points, each, matched[taken])
 
-    def _require_size(self, frame: Frame) -> None:
+    def _require_size(self, frame: int, pair: ImagePair) -> None:
         expected = (self._camera.height, self._camera.width)
-        if frame.image_850.shape != expected:
+        if pair.image_850.shape != expected:
             raise DatasetError(
-                f"frame {frame.index}: expected images of {expected[1]} x {expected[0]} pixels, "
-                f"as the camera's, got {frame.image_850.shape[1]} x {frame.image_850.shape[0]}; "
+                f"frame {frame}: expected images of {expected[1]} x {expected[0]} pixels, "
+                f"as the camera's, got {pair.image_850.shape[1]} x {pair.image_850.shape[0]}; "
                 "give the camera that took them"
             )

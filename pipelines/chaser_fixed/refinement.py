@@ -8,7 +8,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.camera import Camera
-from models.frame import Frame, MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.match import Match
@@ -16,6 +16,7 @@ from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
+from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.pair_alignment import AlignedPatch, aligned_patch
 
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
@@ -70,7 +71,7 @@ def contrast_800(
 
 
 def fit_markers(
-    frame: Frame,
+    pair: ImagePair,
     camera: Camera,
     detector: Detector,
     markers: MarkerPattern,
@@ -83,7 +84,7 @@ def fit_markers(
 
     Parameters
     ----------
-    frame, camera, detector, markers
+    pair, camera, detector, markers
     pose : RigidTransform
         ``cam_from_target``, good to about a marker's radius.
     cam_from_target_800 : RigidTransform
@@ -110,8 +111,8 @@ def fit_markers(
         if radius < LEAST_RADIUS_PX or not camera.contains(centre, options.s_bord * radius):
             continue
         patch = aligned_patch(
-            frame.image_800,
-            frame.image_850,
+            pair.image_800,
+            pair.image_850,
             centre,
             np.sqrt(np.diag(outlines.shapes_px2[index])),
             np.clip(motions[index], -FURTHEST_MOTION_PX, FURTHEST_MOTION_PX),

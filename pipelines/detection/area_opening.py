@@ -11,7 +11,14 @@ from pipelines.detection.blobs import Blobs
 
 
 def expected_radius_px(marker_radius_m: float, range_m: float, focal_px: float) -> float:
-    """Return r_p, the radius of a marker's image (equation 4), px."""
+    """Return r_p, the radius of a marker's image (equation 4), px.
+
+    Parameters
+    ----------
+    marker_radius_m : float, m
+    range_m : float, m
+    focal_px : float, px
+    """
     return marker_radius_m / range_m * focal_px
 
 

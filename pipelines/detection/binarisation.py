@@ -27,6 +27,11 @@ def otsu_threshold(counts: Floats) -> float:
     """Return the level that best parts a histogram in two: T, foreground being above it.
 
     Otsu 1979, "A threshold selection method from gray-level histograms".
+
+    Parameters
+    ----------
+    counts : (levels,) array
+        Pixels at each level, from 0.
     """
     levels = np.flatnonzero(counts)
     if len(levels) < 2:
@@ -64,5 +69,11 @@ def threshold_dn(
 
 
 def binarise(difference: Image, threshold: float) -> Mask:
-    """Return the foreground."""
+    """Return the foreground, (height, width): what is above the threshold, DN.
+
+    Parameters
+    ----------
+    difference : (height, width) array, DN
+    threshold : float, DN
+    """
     return np.asarray(cv2.compare(difference, float(threshold), cv2.CMP_GT) > 0)

@@ -36,7 +36,12 @@ class Blobs:
         return len(self.area_px)
 
     def kept(self, keep: Mask) -> Blobs:
-        """Return only the blobs marked True, numbered anew."""
+        """Return only the blobs marked True, numbered anew.
+
+        Parameters
+        ----------
+        keep : (n,) array of bool
+        """
         pixels = keep[self.label]
         renumbered = np.cumsum(keep) - 1
         return Blobs(
@@ -60,7 +65,12 @@ class Blobs:
 
 
 def find_blobs(foreground: Mask) -> Blobs:
-    """Label the 8-connected blobs of a binary image."""
+    """Label the 8-connected blobs of a binary image.
+
+    Parameters
+    ----------
+    foreground : (height, width) array of bool
+    """
     mask = foreground.astype(np.uint8)
     left, top, width, height = cv2.boundingRect(mask)
     if width == 0 or height == 0:

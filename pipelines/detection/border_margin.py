@@ -12,5 +12,12 @@ def border_margin_px(radius_px: float, s_bord: float) -> float:
 
 
 def inside_margin(points_px: Floats, camera: Camera, margin_px: float) -> Mask:
-    """Tell which points (n, 2) lie at least ``margin_px`` from the image's edge."""
+    """Tell which points lie at least ``margin_px`` from the image's edge, (n,).
+
+    Parameters
+    ----------
+    points_px : (n, 2) array, px
+    camera : Camera
+    margin_px : float, px
+    """
     return camera.contains(points_px.reshape(-1, 2), margin_px)

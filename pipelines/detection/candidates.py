@@ -31,7 +31,12 @@ class Candidates:
         return cls(np.zeros((0, 2)))
 
     def kept(self, keep: Mask) -> Candidates:
-        """Return only those marked True."""
+        """Return only those marked True.
+
+        Parameters
+        ----------
+        keep : (n,) array of bool
+        """
         return Candidates(self.points_px[keep])
 
     @classmethod

@@ -54,7 +54,13 @@ class DiscParameters:
         return np.array([self.height_dn, *self.ramp_dn_px, self.background_dn])
 
     def moved(self, step: Floats) -> DiscParameters:
-        """Add a step, within what makes sense."""
+        """Add a step, within what makes sense.
+
+        Parameters
+        ----------
+        step : (9,) array
+            In this class's order and units.
+        """
         return replace(
             self,
             centre_px=self.centre_px + step[:2],

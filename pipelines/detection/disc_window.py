@@ -40,6 +40,18 @@ class DiscWindow:
 
         The 850 nm level is taken from the model, not from the pixel, whose own noise would
         otherwise weigh it.
+
+        Parameters
+        ----------
+        model : (height, width) array, DN
+            The difference as the fit has it, background and all.
+        background : float, DN
+            Of the difference.
+        detector : Detector
+
+        Returns
+        -------
+        (height, width) array, DN^2
         """
         noise_800 = detector.noise_dn(self.level_800)
         noise_850 = detector.noise_dn(self.level_800 + np.maximum(model, 0.0))
@@ -54,7 +66,18 @@ def cut_window(
     half_extent_px: Floats,
     saturation_dn: float,
 ) -> DiscWindow | None:
-    """Cut out one disc's window; None where next to nothing of it lies in the image."""
+    """Cut out one disc's window; None where next to nothing of it lies in the image.
+
+    Parameters
+    ----------
+    image_800, image_850 : (height, width) arrays, DN
+    area_centre_px : (2,) array, px
+        Predicted centre of the disc's area.
+    half_extent_px : (2,) array, px
+        Half width and half height of the disc's image.
+    saturation_dn : float, DN
+        From here on a pixel counts as saturated.
+    """
     reach = half_extent_px + WINDOW_MARGIN_PX
     height, width = image_800.shape
     low = np.maximum(np.floor(area_centre_px - reach), 0.0).astype(int)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from models.camera import Camera
-from models.frame import Frame
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.area_opening import area_threshold_px, open_areas
@@ -16,10 +15,11 @@ from pipelines.detection.candidates import Candidates
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import circularity
 from pipelines.detection.image_difference import clipped_difference, saturated
+from pipelines.detection.image_pair import ImagePair
 
 
 def detect_by_global_threshold(
-    frame: Frame,
+    pair: ImagePair,
     camera: Camera,
     detector: Detector,
     radius_px: float,
@@ -29,16 +29,16 @@ def detect_by_global_threshold(
 
     Parameters
     ----------
-    frame : Frame
+    pair : ImagePair
     camera : Camera
     detector : Detector
     radius_px : float, px
         Expected radius of a marker's image (equation 4).
     options : ChaserFixedOptions
     """
-    difference = clipped_difference(frame)
+    difference = clipped_difference(pair)
     threshold = threshold_dn(
-        difference, saturated(frame, detector), options.tau_bin, options.threshold_rule
+        difference, saturated(pair, detector), options.tau_bin, options.threshold_rule
     )
     blobs = find_blobs(binarise(difference, threshold))
     blobs = open_areas(blobs, area_threshold_px(radius_px, options.s_ao))

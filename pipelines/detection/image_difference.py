@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from models.arrays import Floats, Image, Mask
-from models.frame import Frame
 from models.sensors.camera_chip import Detector
+from pipelines.detection.image_pair import ImagePair
 
 SATURATION_SIGMAS = 5.0  # of read noise, below the full well's level
 
@@ -45,7 +45,12 @@ class Region:
 
     @classmethod
     def whole(cls, image: Image) -> Region:
-        """Return all of an image."""
+        """Return all of an image.
+
+        Parameters
+        ----------
+        image : (height, width) array
+        """
         return cls(0, image.shape[0], 0, image.shape[1])
 
 
@@ -55,28 +60,35 @@ def saturation_level_dn(detector: Detector) -> float:
     return float(detector.saturation_dn - SATURATION_SIGMAS * read_noise_dn - 1.0)
 
 
-def clipped_difference(frame: Frame) -> Image:
+def clipped_difference(pair: ImagePair) -> Image:
     """Return max(850 nm - 800 nm, 0), uint16: the paper's difference image."""
-    return np.asarray(cv2.subtract(frame.image_850, frame.image_800))
+    return np.asarray(cv2.subtract(pair.image_850, pair.image_800))
 
 
-def signed_difference(frame: Frame, region: Region) -> Floats:
-    """Return 850 nm - 800 nm of a region, DN."""
+def signed_difference(pair: ImagePair, region: Region) -> Floats:
+    """Return 850 nm - 800 nm of a region, (height, width) DN."""
     difference = cv2.subtract(
-        frame.image_850[region.part], frame.image_800[region.part], dtype=cv2.CV_32F
+        pair.image_850[region.part], pair.image_800[region.part], dtype=cv2.CV_32F
     )
     return np.asarray(difference)
 
 
-def saturated(frame: Frame, detector: Detector, region: Region | None = None) -> Mask | None:
+def saturated(pair: ImagePair, detector: Detector, region: Region | None = None) -> Mask | None:
     """Tell which pixels of a region are saturated in either exposure, with a rim of one pixel.
+
+    Parameters
+    ----------
+    pair : ImagePair
+    detector : Detector
+    region : Region, optional
+        The whole image unless given.
 
     Returns
     -------
     (height, width) array of bool, or None if there is no such pixel.
     """
-    part = (region or Region.whole(frame.image_850)).part
-    brighter = cv2.max(frame.image_800[part], frame.image_850[part])
+    part = (region or Region.whole(pair.image_850)).part
+    brighter = cv2.max(pair.image_800[part], pair.image_850[part])
     level = saturation_level_dn(detector)
     if brighter.max() < level:
         return None
@@ -84,6 +96,6 @@ def saturated(frame: Frame, detector: Detector, region: Region | None = None) ->
     return np.asarray(cv2.dilate(mask, np.ones((3, 3), np.uint8)) > 0)
 
 
-def swapped(frame: Frame) -> Frame:
-    """Return the frame with its two images exchanged."""
-    return replace(frame, image_800=frame.image_850, image_850=frame.image_800)
+def swapped(pair: ImagePair) -> ImagePair:
+    """Return the pair with its two images exchanged."""
+    return replace(pair, image_800=pair.image_850, image_850=pair.image_800)

@@ -12,7 +12,6 @@ import cv2
 import numpy as np
 
 from models.arrays import Floats, Image, Mask
-from models.frame import Frame
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.blobs import Blobs, find_blobs
@@ -20,6 +19,7 @@ from pipelines.detection.candidates import Candidates
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import circularity
 from pipelines.detection.image_difference import Region, saturated, signed_difference
+from pipelines.detection.image_pair import ImagePair
 
 SEED_SHARE = 0.25  # of tau_bin: the seeds' threshold is 5 % of the brightest difference
 SEED_SIGMAS = 6.0
@@ -90,7 +90,7 @@ def _grown(blobs: Blobs) -> Blobs:
 
 
 def detect_in_region(
-    frame: Frame,
+    pair: ImagePair,
     detector: Detector,
     region: Region,
     radii_px: tuple[float, float],
@@ -100,7 +100,7 @@ def detect_in_region(
 
     Parameters
     ----------
-    frame : Frame
+    pair : ImagePair
     detector : Detector
     region : Region
         The whole image, or the surroundings of a predicted marker.
@@ -110,8 +110,8 @@ def detect_in_region(
     """
     if region.pixels == 0:
         return Candidates.none()
-    difference = signed_difference(frame, region)
-    excluded = saturated(frame, detector, region)
+    difference = signed_difference(pair, region)
+    excluded = saturated(pair, detector, region)
     threshold = _seed_threshold_dn(difference, excluded, detector, options.tau_bin)
     areas_px = (np.pi * radii_px[0] ** 2, np.pi * radii_px[1] ** 2)
     seeds = find_blobs(difference > threshold)
@@ -119,7 +119,7 @@ def detect_in_region(
     if len(seeds) == 0:
         return Candidates.none()
 
-    rim = _inner_rim(region, frame.image_850)
+    rim = _inner_rim(region, pair.image_850)
     boxes = seeds.bounding_boxes()
     light = np.bincount(seeds.label, weights=difference[seeds.rows, seeds.columns])
     order = np.argsort(seeds.label, kind="stable")

@@ -8,12 +8,13 @@ import numpy as np
 
 from models.arrays import Floats, Mask
 from models.camera import Camera
-from models.frame import Frame, MarkerPattern
+from models.markers import MarkerPattern
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.disc_outline import DiscOutlines, disc_outlines
 from pipelines.detection.image_difference import Region
+from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.local_threshold import detect_in_region
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
 from pipelines.tracking.motion_prediction import PredictedPose
@@ -49,7 +50,14 @@ class PredictedMarkers:
 def predict_markers(
     camera: Camera, markers: MarkerPattern, predicted: PredictedPose
 ) -> PredictedMarkers | None:
-    """Project a predicted pose's markers and its uncertainty; None if none faces the camera."""
+    """Project a predicted pose's markers and its uncertainty; None if none faces the camera.
+
+    Parameters
+    ----------
+    camera : Camera
+    markers : MarkerPattern
+    predicted : PredictedPose
+    """
     outlines = disc_outlines(camera, predicted.pose, markers)
     if not outlines.facing.any():
         return None
@@ -70,7 +78,15 @@ def predict_markers(
 def region_half_sizes_px(
     predicted: PredictedMarkers, options: ChaserFixedOptions, growth: float
 ) -> Floats:
-    """Return the half width and half height round each predicted marker, (n, 2) px."""
+    """Return the half width and half height round each predicted marker, (n, 2) px.
+
+    Parameters
+    ----------
+    predicted : PredictedMarkers
+    options : ChaserFixedOptions
+    growth : float
+        Factor on what is added to the disc's own image, more after lost frames.
+    """
     sigma = np.sqrt(np.diagonal(predicted.covariance_px2, axis1=1, axis2=2))
     slack = growth * (options.region_sigmas * sigma + REGION_MARGIN_PX)
     return np.asarray(predicted.outlines.half_extents_px + slack)
@@ -79,7 +95,16 @@ def region_half_sizes_px(
 def marker_regions(
     camera: Camera, predicted: PredictedMarkers, options: ChaserFixedOptions, growth: float
 ) -> list[Region]:
-    """Return the regions round the predicted markers; none if they would be most of the image."""
+    """Return the regions round the predicted markers; none if they would be most of the image.
+
+    Parameters
+    ----------
+    camera : Camera
+    predicted : PredictedMarkers
+    options : ChaserFixedOptions
+    growth : float
+        Factor on what is added to the disc's own image, more after lost frames.
+    """
     half = region_half_sizes_px(predicted, options, growth)
     regions = []
     for centre, reach in zip(predicted.outlines.centres_px, half, strict=True):
@@ -95,16 +120,26 @@ def marker_regions(
 
 
 def search(
-    frame: Frame,
+    pair: ImagePair,
     camera: Camera,
     detector: Detector,
     predicted: PredictedMarkers,
     regions: list[Region],
     options: ChaserFixedOptions,
 ) -> Candidates:
-    """Find candidates in the regions, and drop those that the image's edge may cut."""
+    """Find candidates in the regions, and drop those that the image's edge may cut.
+
+    Parameters
+    ----------
+    pair : ImagePair
+    camera : Camera
+    detector : Detector
+    predicted : PredictedMarkers
+    regions : list of Region
+    options : ChaserFixedOptions
+    """
     parts = [
-        detect_in_region(frame, detector, region, predicted.radii_px, options) for region in regions
+        detect_in_region(pair, detector, region, predicted.radii_px, options) for region in regions
     ]
     found = Candidates.merged(parts, same_px=1.0)
     margin = options.s_bord * float(predicted.outlines.radii_px[predicted.outlines.facing].min())
@@ -112,7 +147,16 @@ def search(
 
 
 def pair_costs(points_px: Floats, predicted: PredictedMarkers, coarse_sigma_px: float) -> Floats:
-    """Return the squared distance in sigmas of each candidate from each marker, (n, m)."""
+    """Return the squared distance in sigmas of each candidate from each marker, (n, m).
+
+    Parameters
+    ----------
+    points_px : (n, 2) array, px
+    predicted : PredictedMarkers
+        Of m markers; what cannot be seen costs infinity.
+    coarse_sigma_px : float, px
+        1 sigma of a candidate on each axis.
+    """
     spread = predicted.covariance_px2 + coarse_sigma_px**2 * np.eye(2)
     away = points_px[:, None] - predicted.outlines.area_centres_px[None, :]
     seen = predicted.outlines.facing
@@ -123,6 +167,14 @@ def pair_costs(points_px: Floats, predicted: PredictedMarkers, coarse_sigma_px: 
 
 
 def within_gate(points_px: Floats, predicted: PredictedMarkers, gate_px: float) -> Mask:
-    """Tell which candidates lie within a distance of which markers, (n, m)."""
+    """Tell which candidates lie within a distance of which markers, (n, m).
+
+    Parameters
+    ----------
+    points_px : (n, 2) array, px
+    predicted : PredictedMarkers
+        Of m markers.
+    gate_px : float, px
+    """
     gap = np.linalg.norm(points_px[:, None] - predicted.outlines.centres_px[None, :], axis=-1)
     return np.asarray(np.nan_to_num(gap, nan=np.inf) < gate_px)

@@ -27,9 +27,9 @@ class EdgeSignal:
 
     Attributes
     ----------
-    value : array
+    value : (...,) array
         From 1 well inside to 0 well outside.
-    by_depth, by_blur : arrays, 1/px
+    by_depth, by_blur : (...,) arrays, 1/px
         Derivatives with respect to d and s.
     """
 
@@ -45,9 +45,9 @@ def edge_signal(
 
     Parameters
     ----------
-    depth : array, px
+    depth : (...,) array, px
         d, how far inside the edge each pixel's centre lies.
-    normal_x, normal_y : arrays
+    normal_x, normal_y : (...,) arrays
         The edge's unit normal nearest to each pixel.
     radius, blur : float, px
         r and s, positive.

@@ -42,12 +42,27 @@ def theta_of_share(share: float, position_noise: Floats) -> float:
     """Return theta for unit weights, as a share of the least information of one position, 1/m2.
 
     With theta at all of it, a position far in the past would weigh no more than none.
+
+    Parameters
+    ----------
+    share : float
+        In [0, 1).
+    position_noise : (3, 3) array, m2
+        Covariance of a measured position.
     """
     return share / float(np.linalg.eigvalsh(position_noise)[-1])
 
 
 def theta_limit(information: Floats, weights: Floats) -> float:
-    """Return the theta at which ``information - theta weights`` stops being positive definite."""
+    """Return the theta at which ``information - theta weights`` stops being positive definite.
+
+    Parameters
+    ----------
+    information : (n, n) array
+        Positive definite.
+    weights : (n, n) array
+        Symmetric.
+    """
     root = np.linalg.cholesky(information)
     whitened = np.linalg.solve(root, np.linalg.solve(root, weights).T)
     largest = float(np.linalg.eigvalsh(0.5 * (whitened + whitened.T))[-1])

@@ -29,14 +29,33 @@ class LinearUpdate:
 
 
 def normalised_square(vector: Floats, covariance: Floats) -> float:
-    """Return ``v' C^-1 v``."""
+    """Return ``v' C^-1 v``.
+
+    Parameters
+    ----------
+    vector : (n,) array
+    covariance : (n, n) array
+    """
     return float(vector @ np.linalg.solve(covariance, vector))
 
 
 def predict(
     state: Floats, covariance: Floats, transition: Floats, process_noise: Floats
 ) -> tuple[Floats, Floats]:
-    """Carry a state and its covariance over one step."""
+    """Carry a state and its covariance over one step.
+
+    Parameters
+    ----------
+    state : (n,) array
+    covariance : (n, n) array
+    transition : (n, n) array
+    process_noise : (n, n) array
+
+    Returns
+    -------
+    state : (n,) array
+    covariance : (n, n) array
+    """
     carried = transition @ covariance @ transition.T + process_noise
     return transition @ state, 0.5 * (carried + carried.T)
 
@@ -48,6 +67,16 @@ def update(
 
     The covariance is Joseph's form, which stays positive however small the noise (Bucy and
     Joseph, Filtering for Stochastic Processes with Applications to Guidance, 1968).
+
+    Parameters
+    ----------
+    state : (n,) array
+    covariance : (n, n) array
+    measured : (m,) array
+        y.
+    observation : (m, n) array
+        H.
+    noise : (m, m) array
     """
     innovation = measured - observation @ state
     spread = observation @ covariance @ observation.T + noise

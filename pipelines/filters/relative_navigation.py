@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from models.arrays import Floats
-from models.estimate import PoseEstimate
+from models.estimate import Estimate
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
 from pipelines.filters import h_infinity, kalman, minimum_energy, multiplicative_ekf
+from pipelines.filters.covariance_fault import covariance_fault, positive
+from pipelines.filters.minimum_energy import NoMinimumEnergy
 from pipelines.filters.multiplicative_ekf import RotationUpdate
 from pipelines.filters.navigation_options import NavigationOptions
 from pipelines.filters.rotation_process import RotationProcess
@@ -59,7 +61,7 @@ class FilteredState:
     since_pose_s: float = 0.0
 
     def pose_covariance(self, cam_from_lvlh: RigidTransform) -> Floats:
-        """Return the (6, 6) covariance of the pose that a camera sees, as a PoseEstimate has it.
+        """Return the (6, 6) covariance of the pose that a camera sees, as an estimate has it.
 
         rad and m, rotation first, camera axes; the filters know nothing between the two.
         """
@@ -117,7 +119,18 @@ class RelativeNavigation:
         translation_covariance: Floats | None = None,
         rotation_covariance: Floats | None = None,
     ) -> FilteredState:
-        """Begin, or begin again, from a state; covariances default to the options' start sigmas."""
+        """Begin, or begin again, from a state; covariances default to the options' start sigmas.
+
+        Parameters
+        ----------
+        state : RelativeState
+        chaser : ChaserState
+            At the same time.
+        translation_covariance : (6, 6) array, m and m/s, optional
+            Of (rho, rho_dot), local frame.
+        rotation_covariance : (6, 6) array, rad and rad/s, optional
+            Of (turn, rate relative to the local frame), target axes.
+        """
         option = self._options
         self._time_s = state.time_s
         self._orbit = KeplerOrbit.from_state(chaser)
@@ -140,15 +153,24 @@ class RelativeNavigation:
         self._refused_in_row = 0
         return self._filtered()
 
-    def start_from_pose(self, pose: PoseEstimate, chaser: ChaserState) -> FilteredState:
-        """Begin, or begin again, from a pose alone; the rates are unknown and taken as none."""
-        place, place_noise, attitude, turn_noise = self._measured(pose)
+    def start_from_pose(self, found: Estimate, chaser: ChaserState) -> FilteredState:
+        """Begin, or begin again, from a pose alone; the rates are unknown and taken as none.
+
+        Raises
+        ------
+        ValueError
+            If the pose has no covariance to speak of: see ``covariance_fault``.
+        """
+        fault = _fault(found)
+        if fault:
+            raise ValueError(f"expected a pose to start from, got one with {fault}")
+        place, place_noise, attitude, turn_noise = self._measured(found)
         option = self._options
         translation = _diagonal(0.0, option.start_sigma_m_s)
         translation[:3, :3] = place_noise
         rotation = _diagonal(0.0, np.deg2rad(option.start_sigma_deg_s))
         rotation[:3, :3] = turn_noise
-        still = RelativeState(pose.time_s, place, np.zeros(3), attitude, np.zeros(3))
+        still = RelativeState(found.time_s, place, np.zeros(3), attitude, np.zeros(3))
         begun = self.start(
             still, chaser, translation_covariance=translation, rotation_covariance=rotation
         )
@@ -169,7 +191,7 @@ class RelativeNavigation:
             If time runs backwards, or nothing was started.
         """
         now = self._now()
-        if time_s < self._time_s - SAME_TIME_S:
+        if not time_s >= self._time_s - SAME_TIME_S:
             raise ValueError(
                 f"expected a time from {self._time_s} s on, got {time_s}: frames go forward in time"
             )
@@ -194,8 +216,11 @@ class RelativeNavigation:
         self._time_s = time_s
         return self._filtered()
 
-    def update(self, pose: PoseEstimate) -> FilteredState:
+    def update(self, found: Estimate) -> FilteredState:
         """Take in a pose of the time predicted to, if it agrees with the prediction.
+
+        A pose refused, or one whose covariance is none, leaves the state as it was; ``reason``
+        says why.
 
         Raises
         ------
@@ -203,18 +228,23 @@ class RelativeNavigation:
             If the pose is of another time, or nothing was started.
         """
         now = self._now()
-        if abs(pose.time_s - self._time_s) > SAME_TIME_S:
+        if not abs(found.time_s - self._time_s) <= SAME_TIME_S:
             raise ValueError(
                 f"expected a pose of {self._time_s} s, to which the filters were predicted, got "
-                f"one of {pose.time_s} s: predict first"
+                f"one of {found.time_s} s: predict first"
             )
-        place, place_noise, attitude, turn_noise = self._measured(pose)
+        fault = _fault(found)
+        if fault:
+            return self._refused(f"the pose has {fault}")
+        place, place_noise, attitude, turn_noise = self._measured(found)
         moved, remark = self._translation_update(now, place, place_noise)
         turned = self._rotation_update(attitude, turn_noise)
         gate = self._options.gate
-        if turned is None:
-            remark = "attitude a right angle or more from the predicted one"
-        elif gate and max(moved.nis, turned.nis) > gate:
+        if isinstance(turned, NoMinimumEnergy):
+            return self._refused(turned.reason, moved.nis)
+        if not (positive(moved.covariance) and positive(turned.state.covariance)):
+            remark = "the covariance after it would not be positive"
+        elif gate and not max(moved.nis, turned.nis) <= gate:
             remark = (
                 f"innovation squared {moved.nis:.1f} in position and {turned.nis:.1f} in attitude, "
                 f"above {gate:.1f}"
@@ -224,8 +254,16 @@ class RelativeNavigation:
             self._rotation = turned.state
             self._last_pose_s, self._refused_in_row = self._time_s, 0
             return self._filtered(True, remark, moved.nis, turned.nis)
+        return self._refused(remark, moved.nis, turned.nis)
+
+    def _refused(
+        self,
+        reason: str,
+        translation_nis: float | None = None,
+        rotation_nis: float | None = None,
+    ) -> FilteredState:
         self._refused_in_row += 1
-        return self._filtered(False, remark, moved.nis, None if turned is None else turned.nis)
+        return self._filtered(False, reason, translation_nis, rotation_nis)
 
     def _translation_update(
         self, now: Floats, place: Floats, noise: Floats
@@ -247,22 +285,26 @@ class RelativeNavigation:
         plain = kalman.update(now, self._translation_covariance, place, seen, noise)
         return plain, f"Kalman for once: {found.reason}"
 
-    def _rotation_update(self, attitude: Floats, noise: Floats) -> RotationUpdate | None:
+    def _rotation_update(self, attitude: Floats, noise: Floats) -> RotationUpdate | NoMinimumEnergy:
         if self._options.rotation == "mekf":
             return multiplicative_ekf.update(self._rotation, attitude, noise)
         return minimum_energy.update(self._rotation, attitude, noise)
 
-    def _measured(self, pose: PoseEstimate) -> tuple[Floats, Floats, Floats, Floats]:
+    def _measured(self, found: Estimate) -> tuple[Floats, Floats, Floats, Floats]:
         """Return position and its noise in the local frame, attitude and its noise in target."""
+        pose = found.pose
+        if pose is None:
+            raise ValueError(f"expected a pose to measure with, got none: {found.reason}")
+        covariance = pose.stated_covariance
         lvlh_from_cam = self._cam_from_lvlh.inverse()
         lvlh_from_target = lvlh_from_cam @ pose.cam_from_target
         mount = lvlh_from_cam.rotation
         target_from_cam = pose.cam_from_target.rotation.T
         return (
             lvlh_from_target.translation,
-            mount @ pose.covariance[3:, 3:] @ mount.T,
+            mount @ covariance[3:, 3:] @ mount.T,
             lvlh_from_target.rotation,
-            target_from_cam @ pose.covariance[:3, :3] @ target_from_cam.T,
+            target_from_cam @ covariance[:3, :3] @ target_from_cam.T,
         )
 
     def _now(self) -> Floats:
@@ -292,6 +334,11 @@ class RelativeNavigation:
             self._refused_in_row,
             self._time_s - self._last_pose_s,
         )
+
+
+def _fault(found: Estimate) -> str:
+    """Say what is wrong with the covariance of an estimate's pose; empty where nothing is."""
+    return covariance_fault(None if found.pose is None else found.pose.covariance)
 
 
 def _diagonal(first: float, second: float) -> Floats:

@@ -22,7 +22,12 @@ _IDENTITY = np.eye(3)
 
 
 def skew(vector: Floats) -> Floats:
-    """Return ``[v]x``, for which ``[v]x w = v x w``."""
+    """Return ``[v]x``, (3, 3), for which ``[v]x w = v x w``.
+
+    Parameters
+    ----------
+    vector : (3,) array
+    """
     x, y, z = vector.tolist()
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
@@ -163,7 +168,15 @@ class RotationProcess:
     def predict(
         self, state: RotationState, orbit: KeplerOrbit, from_s: float, to_s: float
     ) -> RotationState:
-        """Carry a state from one frame to the next."""
+        """Carry a state from one frame to the next.
+
+        Parameters
+        ----------
+        state : RotationState
+        orbit : KeplerOrbit
+            The chaser's.
+        from_s, to_s : float, s
+        """
         step_s = to_s - from_s
         turn, omega = self._carry(state.omega_in_target, step_s)
         attitude = state.R_lvlh_from_target @ turn
@@ -178,7 +191,15 @@ class RotationProcess:
     def relative_from_state(
         self, state: RotationState, orbit: KeplerOrbit, time_s: float
     ) -> tuple[Floats, Floats]:
-        """Return the rate relative to the local frame, (3,) rad/s, and the covariance with it."""
+        """Return the rate relative to the local frame, (3,) rad/s, and the covariance with it.
+
+        Parameters
+        ----------
+        state : RotationState
+        orbit : KeplerOrbit
+            The chaser's.
+        time_s : float, s
+        """
         if self._options.rate_model == "relative":
             return state.omega_in_target, state.covariance
         spin = state.R_lvlh_from_target.T @ [0.0, 0.0, orbit.anomaly_rate(time_s)]
@@ -189,7 +210,20 @@ class RotationProcess:
     def state_from_relative(
         self, attitude: Floats, omega: Floats, covariance: Floats, orbit: KeplerOrbit, time_s: float
     ) -> RotationState:
-        """Return what ``relative_from_state`` takes back."""
+        """Return what ``relative_from_state`` takes back.
+
+        Parameters
+        ----------
+        attitude : (3, 3) array
+            ``R_lvlh_from_target``.
+        omega : (3,) array, rad/s
+            Relative to the local frame, in target axes.
+        covariance : (6, 6) array, rad and rad/s
+            Of (turn, omega).
+        orbit : KeplerOrbit
+            The chaser's.
+        time_s : float, s
+        """
         if self._options.rate_model == "relative":
             return RotationState(attitude, omega, covariance)
         spin = attitude.T @ [0.0, 0.0, orbit.anomaly_rate(time_s)]

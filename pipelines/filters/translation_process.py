@@ -55,6 +55,16 @@ def tidal_sigma(
     vector: that is what the paper calls the error of the true anomaly. A velocity in error by dv
     moves this vector by ``2 dv / v``, a position by ``dr / r``; what they move is at most
     ``3 mu / r^3 |rho| + 2 (d nu / dt) |rho_dot|`` of it.
+
+    Parameters
+    ----------
+    orbit : KeplerOrbit
+        The chaser's.
+    state : (6,) array, m and m/s
+        (rho, rho_dot) of the target, local frame.
+    time_s : float, s
+    sigma_m, sigma_m_s : float, m and m/s
+        1 sigma per axis of the state that gave ``orbit``.
     """
     radius = orbit.radius_m(time_s)
     speed = float(np.sqrt(EARTH_MU_M3_S2 * (2.0 / radius - 1.0 / orbit.semi_major_axis_m)))

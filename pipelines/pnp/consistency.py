@@ -60,6 +60,22 @@ def find_outliers(
 
     What is left without them sets the scale: where all residuals are larger than foreseen
     (markers not where they were surveyed), none of them is an outlier for that.
+
+    Parameters
+    ----------
+    problem : PnpProblem
+        Weighted.
+    pose : RigidTransform
+        Its solution, ``cam_from_target``.
+    outlier_sigmas : float
+        Where the errors are as foreseen, how far off a match may be.
+    solver : LevenbergMarquardtOptions
+        With which a problem is solved again without the suspects.
+
+    Returns
+    -------
+    tuple of int
+        Numbers of matches in the problem.
     """
     total = float(np.sum(problem.residuals(pose.rotation, pose.translation) ** 2))
     for together in (1, 2):

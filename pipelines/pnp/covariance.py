@@ -19,6 +19,10 @@ def pose_covariance(problem: PnpProblem, pose: RigidTransform) -> Floats | None:
 
     For a weighted problem with the right weights this is the Cramer-Rao bound. For an unweighted
     one, multiply by the variance of the observations.
+
+    Returns
+    -------
+    (6, 6) array, rad and m, or None
     """
     jacobian = problem.jacobian(pose.rotation, pose.translation)
     scale = np.linalg.norm(jacobian, axis=0)

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from pipelines.chaser_fixed.identification import one_to_one
 from pipelines.pnp.projection_jacobian import project_normalised

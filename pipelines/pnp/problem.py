@@ -48,7 +48,14 @@ class PnpProblem:
 
     @classmethod
     def unweighted(cls, camera: Camera, points_in_target: Floats, pixels: Floats) -> PnpProblem:
-        """Take all points alike; chi2 is then in squared normalised units (equation 9)."""
+        """Take all points alike; chi2 is then in squared normalised units (equation 9).
+
+        Parameters
+        ----------
+        camera : Camera
+        points_in_target : (n, 3) array, m
+        pixels : (n, 2) array, px
+        """
         identity = np.broadcast_to(np.eye(2), (len(pixels), 2, 2))
         return cls(points_in_target, camera.normalise(pixels), identity)
 
@@ -56,7 +63,15 @@ class PnpProblem:
     def weighted(
         cls, camera: Camera, points_in_target: Floats, pixels: Floats, covariance_px: Floats
     ) -> PnpProblem:
-        """Weigh points by their covariances (n, 2, 2) in px^2; chi2 then follows chi-square."""
+        """Weigh points by their covariances; chi2 then follows chi-square.
+
+        Parameters
+        ----------
+        camera : Camera
+        points_in_target : (n, 3) array, m
+        pixels : (n, 2) array, px
+        covariance_px : (n, 2, 2) array, px^2
+        """
         observed = camera.normalise(pixels)
         gain = undistortion_gain(camera, observed)
         covariance = gain @ covariance_px @ gain.transpose(0, 2, 1)
@@ -64,7 +79,12 @@ class PnpProblem:
         return cls(points_in_target, observed, whitening)
 
     def subset(self, keep: Mask) -> PnpProblem:
-        """Return the problem of some of the matches."""
+        """Return the problem of some of the matches.
+
+        Parameters
+        ----------
+        keep : (n,) array of bool
+        """
         return PnpProblem(self.points_in_target[keep], self.observed[keep], self.whitening[keep])
 
     def residuals(self, rotation: Floats, translation: Floats) -> Floats:

@@ -34,6 +34,13 @@ def jacobian_by_turn(rotation: Floats, translation: Floats, points_in_target: Fl
 
     The perturbation is that of ``RigidTransform.perturbed``: ``R <- exp([w]x) R``, ``t <- t + dt``.
 
+    Parameters
+    ----------
+    rotation : (3, 3) array
+        ``R_cam_from_target``.
+    translation : (3,) array, m
+    points_in_target : (n, 3) array, m
+
     Returns
     -------
     (n, 2, 6) array, rotation first.
@@ -81,6 +88,10 @@ def jacobian_by_euler(
 
     Parameters
     ----------
+    rotation : (3, 3) array
+        ``R_cam_from_target``.
+    translation : (3,) array, m
+    points_in_target : (n, 3) array, m
     euler_rad : (3,) array, rad
         The angles of ``rotation``.
 

@@ -171,7 +171,16 @@ def _tukey(residual: Floats, scale: float) -> Floats:
 
 
 def normal_jacobian(camera: Camera, pose: RigidTransform, samples: EdgeSamples) -> Floats:
-    """Return how samples move along their normals with the pose, (n, 6), px per rad and m."""
+    """Return how samples move along their normals with the pose, (n, 6), px per rad and m.
+
+    Parameters
+    ----------
+    camera : Camera
+    pose : RigidTransform
+        ``cam_from_target``.
+    samples : EdgeSamples
+        As they are seen from there.
+    """
     by_pose = jacobian_by_turn(pose.rotation, pose.translation, samples.points_in_target)
     by_pose = by_pose * np.array([camera.fx, camera.fy])[:, None]
     return np.asarray(np.einsum("ni,nij->nj", samples.normals_px, by_pose))
@@ -227,11 +236,12 @@ def fit_edges(
 
 
 def _moved(samples: EdgeSamples, camera: Camera, pose: RigidTransform) -> EdgeSamples:
-    """Project samples anew; normals turn little within a step and stay."""
+    """Project anew what still projects; normals turn little within a step and stay."""
     pixels = camera.project(pose @ samples.points_in_target)
-    return EdgeSamples(
+    moved = EdgeSamples(
         samples.points_in_target, pixels, samples.normals_px, samples.edge, samples.outline
     )
+    return moved.subset(np.asarray(np.isfinite(pixels).all(axis=1)))
 
 
 def _solve(

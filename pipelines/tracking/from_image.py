@@ -106,7 +106,17 @@ def track_in_image(
 def spread_px(
     camera: Camera, edges: ModelEdges, predicted: RigidTransform, covariance: Floats
 ) -> float:
-    """Return how far off the prediction may have the target's corners, 1-sigma rms, px."""
+    """Return how far off the prediction may have the target's corners, 1-sigma rms, px.
+
+    Parameters
+    ----------
+    camera : Camera
+    edges : ModelEdges
+    predicted : RigidTransform
+        ``cam_from_target``.
+    covariance : (6, 6) array, rad and m
+        Rotation first, as in ``RigidTransform.perturbed``.
+    """
     points = edges.wireframe.points_in_target
     by_pose = jacobian_by_turn(predicted.rotation, predicted.translation, points)
     by_pose = (by_pose * np.array([camera.fx, camera.fy])[:, None]).reshape(-1, 6)

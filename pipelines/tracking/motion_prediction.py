@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
-from models.frame import FlightKnowledge
 from models.pose import RigidTransform, euler_321_from_rotation
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 
@@ -71,7 +71,16 @@ class MotionPrediction:
         self._lost_frames = 0
 
     def found(self, time_s: float, pose: RigidTransform, covariance: Floats) -> None:
-        """Take in a pose."""
+        """Take in a pose.
+
+        Parameters
+        ----------
+        time_s : float, s
+        pose : RigidTransform
+            ``cam_from_target``.
+        covariance : (6, 6) array, rad and m
+            Rotation first, as in ``RigidTransform.perturbed``.
+        """
         if self._known and time_s <= self._known[-1].time_s:
             self._known.clear()  # time stood still or ran back: there is no velocity
         self._known.append(_TimedPose(time_s, pose, covariance))
@@ -98,6 +107,14 @@ class MotionPrediction:
         """Return the pose ``ago_s`` before ``pose``, at the mean velocity since the last one.
 
         None before there is a last pose, or where time stood still: the velocity is unknown.
+
+        Parameters
+        ----------
+        time_s : float, s
+            Of ``pose``.
+        pose : RigidTransform
+            ``cam_from_target``.
+        ago_s : float, s
         """
         if not self._known or time_s <= self._known[-1].time_s:
             return None

@@ -164,9 +164,18 @@ def _finished(
 def covariance_of(
     pose: RigidTransform, points_in_target: Floats, focal_px: float, sigma_px: float
 ) -> Floats | None:
-    """Return the Cramer-Rao bound of a pose seen by points (n, 3), or None where there is none.
+    """Return the Cramer-Rao bound of a pose seen by points, or None where there is none.
 
     (6, 6), rad and m, rotation first, as in ``RigidTransform.perturbed``.
+
+    Parameters
+    ----------
+    pose : RigidTransform
+        ``cam_from_target``.
+    points_in_target : (n, 3) array, m
+    focal_px : float, px
+    sigma_px : float, px
+        1 sigma of each point on each axis.
     """
     _, jacobian = linearised(pose.rotation[None], pose.translation[None], points_in_target)
     return _bound(jacobian[0].reshape(6, -1) * (focal_px / sigma_px))

@@ -6,13 +6,14 @@ lie on landmarks are named beside it. As printed: the image's corners go the pap
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from models.arrays import Floats
-from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from models.estimate import Detections, Estimate, PoseEstimate
 from models.pose import RigidTransform
-from models.uncooperative import ImageFrame, PointFrame, UncooperativeKnowledge
 from models.wireframe.visibility import visible_landmarks
 from pipelines.acquisition.from_image import (
     FoundPose,
@@ -30,6 +31,7 @@ from pipelines.tracking.from_image import (
 )
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.tracking.pose_check import PoseCheck
+from pipelines.uncooperative.knowledge import ImageFrame, PointFrame, UncooperativeKnowledge
 from pipelines.uncooperative.options import UncooperativeOptions
 from pipelines.uncooperative.point_pose_finder import PointPoseFinder
 
@@ -61,7 +63,10 @@ class ImagePoseFinder:
     ) -> None:
         self._knowledge = knowledge
         self._by_points = (
-            PointPoseFinder(knowledge, options) if options.variant == "paper" else None
+            # What an image shows is what the target does not hide.
+            PointPoseFinder(knowledge, replace(options, hidden_landmarks=True))
+            if options.variant == "paper"
+            else None
         )
         self._acquisition = acquisition or ImageAcquisitionOptions()
         self._tracking = tracking or ImageTrackingOptions()
@@ -123,7 +128,7 @@ class ImagePoseFinder:
 
     def matched_share(self, frame: ImageFrame, estimate: Estimate) -> float:
         """Return the share of the visible edges in any light that the last pose has found."""
-        if isinstance(estimate, NoPose):
+        if estimate.pose is None:
             return 0.0
         if self._by_points is not None:
             return self._by_points.matched_share(self._points(frame), estimate)
@@ -150,19 +155,17 @@ class ImagePoseFinder:
             return self._none(frame, "the edges found do not determine a pose", image)
         self._share = check.supported
         scale = self._knowledge.camera.width / image.camera.width
-        return PoseEstimate(
+        return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            cam_from_target=fit.cam_from_target,
-            covariance=covariance,
+            pose=PoseEstimate(fit.cam_from_target, covariance, scale * fit.rms_px),
             detections=self._named(image, fit.cam_from_target),
-            residual_rms_px=scale * fit.rms_px,
         )
 
-    def _none(self, frame: ImageFrame, reason: str, image: EdgeImage | None = None) -> NoPose:
+    def _none(self, frame: ImageFrame, reason: str, image: EdgeImage | None = None) -> Estimate:
         self._share = 0.0
         detections = self._named(image or self._edge_image(frame), None)
-        return NoPose(frame.index, frame.time_s, reason, detections)
+        return Estimate(frame.index, frame.time_s, reason=reason, detections=detections)
 
     def _named(self, image: EdgeImage, pose: RigidTransform | None) -> Detections:
         """Name the image's corners after the visible landmarks that they lie on, one to one."""

@@ -11,28 +11,29 @@ Source: Pesce, Opromolla, Sarno, Lavagna and Grassi 2019, Aerospace Science and 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
-import numpy as np
-
-from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from models.estimate import Detections, Estimate
+from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from models.pose import RigidTransform
-from models.uncooperative import (
-    ImageFrame,
-    Mode,
-    NavigationEstimate,
-    PointFrame,
-    UncooperativeKnowledge,
-)
+from pipelines.filters.covariance_fault import covariance_fault
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
+from pipelines.uncooperative.knowledge import (
+    ImageFrame,
+    PointFrame,
+    Seen,
+    UncooperativeKnowledge,
+    seen,
+)
 from pipelines.uncooperative.options import VARIANTS, UncooperativeOptions, options_for
 from pipelines.uncooperative.point_pose_finder import PointPoseFinder
 from pipelines.uncooperative.pose_finder import PoseFinder
 
 __all__ = ["VARIANTS", "Uncooperative", "UncooperativeOptions", "options_for"]
 
+Mode: TypeAlias = Literal["searching", "acquired", "tracked", "predicted"]
 DOUBTED_FRAMES = 2  # a frame whose pose is doubted counts as this many without one
 
 
@@ -68,23 +69,32 @@ class Uncooperative:
         self._lost_frames = 0
         self._share = 1.0
 
-    def process(self, frame: PointFrame | ImageFrame) -> NavigationEstimate:
+    def process(self, frame: Frame) -> Estimate:
         """Estimate the state at one frame.
 
         Parameters
         ----------
-        frame : PointFrame or ImageFrame
-            Later than the frame before.
+        frame : Frame
+            An image or points, and the chaser's orbit; later than the frame before.
 
         Returns
         -------
-        NavigationEstimate
+        Estimate
+            The image's own pose or why it gave none, and the two states of the relative motion
+            (``models.motion.relative_state``) once there are any. Its mode is ``searching``: no
+            state yet; ``acquired``: a pose from this image alone; ``tracked``: a pose near the
+            predicted one; ``predicted``: no pose from this image, the filters go on.
 
         Raises
         ------
+        DatasetError
+            If the frame lacks a stream.
         ValueError
             If time runs backwards.
         """
+        return self._processed(seen(frame))
+
+    def _processed(self, frame: Seen) -> Estimate:
         finder = self._finder(frame)
         if self._start is not None:
             self._navigation = self._filters()
@@ -95,50 +105,50 @@ class Uncooperative:
         predicted = self._navigation.predict(frame.time_s, frame.chaser)
         return self._tracked(finder, frame, self._navigation, predicted)
 
-    def _acquired(
-        self, finder: PoseFinder[Any], frame: PointFrame | ImageFrame, keep: bool = False
-    ) -> NavigationEstimate:
+    def _acquired(self, finder: PoseFinder[Any], frame: Seen, keep: bool = False) -> Estimate:
         """Start from this image alone; where that fails there is no state, but one to keep."""
-        pose = finder.acquire(frame)
-        if isinstance(pose, NoPose):
+        found = finder.acquire(frame)
+        if found.pose is not None and (fault := covariance_fault(found.pose.stated_covariance)):
+            found = _refused(found, f"the pose acquired has {fault}")
+        if found.pose is None:
             self._navigation = self._navigation if keep else None
-            return self._said(frame, pose, None, "searching")
+            return _said(found, None, "searching")
         self._navigation = self._filters()
         self._lost_frames, self._share = 0, 1.0
-        started = self._navigation.start_from_pose(pose, frame.chaser)
-        return self._said(frame, pose, started, "acquired")
+        started = self._navigation.start_from_pose(found, frame.chaser)
+        return _said(found, started, "acquired")
 
     def _tracked(
         self,
         finder: PoseFinder[Any],
-        frame: PointFrame | ImageFrame,
+        frame: Seen,
         navigation: RelativeNavigation,
         predicted: FilteredState,
-    ) -> NavigationEstimate:
+    ) -> Estimate:
         mount = self._knowledge.cam_from_lvlh
         guess = predicted.state.cam_from_target(mount)
-        pose = self._found(finder, frame, guess, predicted)
-        if isinstance(pose, PoseEstimate):
-            self._remember(finder.matched_share(frame, pose))
+        found = self._found(finder, frame, guess, predicted)
+        if found.pose is not None:
+            self._remember(finder.matched_share(frame, found))
             if self._share < self._least_share(frame):
-                return self._doubted(finder, frame, pose, predicted)
-            predicted = navigation.update(pose)
+                return self._doubted(finder, frame, found, predicted)
+            predicted = navigation.update(found)
             if predicted.used_pose:
                 self._lost_frames = 0
-                return self._said(frame, pose, predicted, "tracked")
-            pose = _refused(pose, f"the filters refuse the pose: {predicted.reason}")
+                return _said(found, predicted, "tracked")
+            found = _refused(found, f"the filters refuse the pose: {predicted.reason}")
         self._lost_frames += 1
         if self._lost_frames >= self._options.lost_frames:
             return self._acquired(finder, frame)
-        return self._said(frame, pose, predicted, "predicted")
+        return _said(found, predicted, "predicted")
 
     def _doubted(
         self,
         finder: PoseFinder[Any],
-        frame: PointFrame | ImageFrame,
-        pose: PoseEstimate,
+        frame: Seen,
+        found: Estimate,
         predicted: FilteredState,
-    ) -> NavigationEstimate:
+    ) -> Estimate:
         """Acquire anew beside a state that explains the images less and less; it has not long."""
         self._lost_frames += DOUBTED_FRAMES
         anew = self._acquired(finder, frame, keep=self._lost_frames < self._options.lost_frames)
@@ -148,19 +158,18 @@ class Uncooperative:
             f"the poses of late match {100.0 * self._share:.0f} % of what they should, "
             f"{100.0 * self._least_share(frame):.0f} % are needed"
         )
-        return self._said(frame, _refused(pose, reason), predicted, "predicted")
+        return _said(_refused(found, reason), predicted, "predicted")
 
     def _found(
         self,
         finder: PoseFinder[Any],
-        frame: PointFrame | ImageFrame,
+        frame: Seen,
         guess: RigidTransform,
         predicted: FilteredState,
     ) -> Estimate:
         if not guess.translation[2] > 0.0:
             reason = "the predicted target is behind the camera"
-            nothing = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())
-            return NoPose(frame.index, frame.time_s, reason, nothing)
+            return Estimate(frame.index, frame.time_s, reason=reason, detections=Detections.none())
         covariance = predicted.pose_covariance(self._knowledge.cam_from_lvlh)
         return finder.track(frame, guess, covariance)
 
@@ -168,7 +177,7 @@ class Uncooperative:
         weight = 1.0 / self._options.share_memory_frames
         self._share += weight * (share - self._share)
 
-    def _least_share(self, frame: PointFrame | ImageFrame) -> float:
+    def _least_share(self, frame: Seen) -> float:
         if isinstance(frame, PointFrame):
             return self._options.share_to_doubt
         return self._options.image_share_to_doubt
@@ -182,31 +191,24 @@ class Uncooperative:
             inertia_kg_m2=self._knowledge.inertia_kg_m2,
         )
 
-    def _finder(self, frame: PointFrame | ImageFrame) -> PoseFinder[Any]:
+    def _finder(self, frame: Seen) -> PoseFinder[Any]:
         if isinstance(frame, PointFrame):
             return self._points
         if self._images is None:
-            # What an image shows is what the target does not hide.
-            seen = replace(self._options, hidden_landmarks=True)
-            self._images = ImagePoseFinder(self._knowledge, seen)
+            self._images = ImagePoseFinder(self._knowledge, self._options)
         return self._images
 
-    @staticmethod
-    def _said(
-        frame: PointFrame | ImageFrame, pose: Estimate, filtered: FilteredState | None, mode: Mode
-    ) -> NavigationEstimate:
-        return NavigationEstimate(
-            frame=frame.index,
-            time_s=frame.time_s,
-            mode=mode,
-            pose=pose,
-            state=None if filtered is None else filtered.state,
-            translation_covariance=None if filtered is None else filtered.translation_covariance,
-            rotation_covariance=None if filtered is None else filtered.rotation_covariance,
-        )
+
+def _said(found: Estimate, filtered: FilteredState | None, mode: Mode) -> Estimate:
+    """Say what the image gave with the state that the filters made of it."""
+    if filtered is None:
+        return replace(found, mode=mode)
+    states = filtered.state.named(filtered.translation_covariance, filtered.rotation_covariance)
+    return replace(found, mode=mode, states=states)
 
 
-def _refused(pose: PoseEstimate, reason: str) -> NoPose:
+def _refused(found: Estimate, reason: str) -> Estimate:
     """Turn a pose down: its matches stand, none of them used."""
-    found = pose.detections
-    return NoPose(pose.frame, pose.time_s, reason, replace(found, used=(False,) * len(found.used)))
+    detections = found.detected
+    turned_down = replace(detections, used=(False,) * len(detections.used))
+    return replace(found, pose=None, reason=reason, detections=turned_down)

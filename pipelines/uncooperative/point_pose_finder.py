@@ -11,15 +11,15 @@ from __future__ import annotations
 import numpy as np
 
 from models.arrays import Floats, Indices
-from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from models.estimate import Detections, Estimate, PoseEstimate
 from models.pose import RigidTransform
-from models.uncooperative import PointFrame, UncooperativeKnowledge
 from models.wireframe.visibility import visible_landmarks
 from pipelines.acquisition.hypothesize_and_test import hypothesize_and_test
 from pipelines.acquisition.triple_search import TripleSearch
 from pipelines.pnp.gauss_newton import linearised
 from pipelines.tracking.point_fit import PointFit, covariance_of, fit_points
 from pipelines.tracking.softposit import first_beta, softposit
+from pipelines.uncooperative.knowledge import PointFrame, UncooperativeKnowledge
 from pipelines.uncooperative.options import UncooperativeOptions
 
 RAW_EXCESS_VARIANCE = 2.25  # of SoftPOSIT's own pose over the bound of its matches, measured
@@ -74,10 +74,10 @@ class PointPoseFinder:
 
     def matched_share(self, frame: PointFrame, estimate: Estimate) -> float:
         """Return the share matched of the points or of the landmarks shown, the fewer of both."""
-        if isinstance(estimate, NoPose):
+        if estimate.pose is None:
             return 0.0
-        matched = sum(estimate.detections.used)
-        shown = len(self._shown(estimate.cam_from_target))
+        matched = sum(estimate.detected.used)
+        shown = len(self._shown(estimate.pose.cam_from_target))
         return matched / max(min(len(frame.points_px), shown), 1)
 
     # Acquisition.
@@ -187,6 +187,8 @@ class PointPoseFinder:
         if covariance is None or taken.sum() < 4:
             return self._none(frame, f"{int(taken.sum())} matches do not determine a pose")
         left = frame.points_px[taken] - self._camera.project(pose @ points)
+        if not np.isfinite(left).all():
+            return self._none(frame, "the pose found puts matched landmarks out of sight")
         rms_px = float(np.sqrt(np.mean(left**2)))
         if landmarks is not None:
             doubt = self._doubt(int(taken.sum()), rms_px, frame, landmarks)
@@ -242,19 +244,19 @@ class PointPoseFinder:
 
     # What to say.
 
-    def _said(self, frame: PointFrame, fit: PointFit) -> PoseEstimate:
-        return PoseEstimate(
+    def _said(self, frame: PointFrame, fit: PointFit) -> Estimate:
+        return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            cam_from_target=fit.pose,
-            covariance=fit.covariance,
+            pose=PoseEstimate(fit.pose, fit.covariance, fit.residual_rms_px),
             detections=self._detections(frame, fit.matched),
-            residual_rms_px=fit.residual_rms_px,
         )
 
-    def _none(self, frame: PointFrame, reason: str) -> NoPose:
+    def _none(self, frame: PointFrame, reason: str) -> Estimate:
         unmatched = np.full(len(frame.points_px), -1, dtype=np.int64)
-        return NoPose(frame.index, frame.time_s, reason, self._detections(frame, unmatched))
+        return Estimate(
+            frame.index, frame.time_s, reason=reason, detections=self._detections(frame, unmatched)
+        )
 
     def _detections(self, frame: PointFrame, matched: Indices) -> Detections:
         return Detections(

@@ -37,5 +37,5 @@ class PoseFinder(Protocol[Seen]):
     def matched_share(self, frame: Seen, estimate: Estimate) -> float:
         """Return how much of what should match did, from 0 to 1; low over time means a wrong pose.
 
-        Of a ``NoPose`` it is 0.
+        Where there is no pose it is 0.
         """

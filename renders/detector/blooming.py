@@ -26,6 +26,10 @@ def bloom(charge: Floats, full_well_e: float, share: float) -> Floats:
     full_well_e : float, e
     share : float
         0, where a drain takes all, to 1, where there is none.
+
+    Returns
+    -------
+    (height, width) array, e
     """
     held = np.minimum(charge, full_well_e)
     columns = np.flatnonzero((charge > full_well_e).any(axis=0))

@@ -32,6 +32,13 @@ def electrons_per_radiance(optics: Optics, detector: Detector, wavelength_nm: fl
 
     The camera equation: irradiance on the chip is ``L tau pi / (4 N^2)`` (focused far off), times
     pixel area, over the photon's energy, times quantum efficiency.
+
+    Parameters
+    ----------
+    optics : Optics
+    detector : Detector
+    wavelength_nm : float, nm
+        Of the light; it sets a photon's energy.
     """
     irradiance = optics.transmission * np.pi / (4.0 * optics.f_number**2)
     area_m2 = (detector.pixel_pitch_um * 1e-6) ** 2
@@ -51,7 +58,18 @@ def vignetting(camera: Camera) -> Floats:
 
 @lru_cache(maxsize=4)
 def pixel_response(height: int, width: int, sigma: float) -> Radiance:
-    """Return the chip's fixed pattern of relative response, (height, width)."""
+    """Return the chip's fixed pattern of relative response.
+
+    Parameters
+    ----------
+    height, width : int, px
+    sigma : float
+        1 sigma of the pattern, about 1.
+
+    Returns
+    -------
+    (height, width) float32 array
+    """
     rng = np.random.default_rng(CHIP_SEED)
     pattern = 1.0 + sigma * rng.standard_normal((height, width), dtype=np.float32)
     return np.maximum(pattern, 0.0)
@@ -68,9 +86,19 @@ def electron_rate(
     Parameters
     ----------
     groups : mapping of LightGroup to (height, width) arrays, W m-2 sr-1
-    optics, detector
+    optics : Optics
+    detector : Detector
     scales : mapping of str to float, optional
         Factor by group name, such as another lamp power; 1 where not named.
+
+    Returns
+    -------
+    (height, width) float32 array, e/s
+
+    Raises
+    ------
+    ValueError
+        If there is no light group.
     """
     total: Radiance | None = None
     for group, radiance in groups.items():
@@ -92,9 +120,22 @@ def mean_electrons(
     detector: Detector,
     depth_m: Radiance | None = None,
 ) -> Floats:
-    """Return the expected charge of each pixel before the full well, (height, width), e.
+    """Return the expected charge of each pixel before the full well.
 
-    ``depth_m``, (height, width), is what a lens with a focus needs beside the light.
+    Parameters
+    ----------
+    rate_e_s : (height, width) array, e/s
+        As ``electron_rate`` gives it.
+    exposure_ms : float, ms
+    camera : Camera
+    optics : Optics
+    detector : Detector
+    depth_m : (height, width) array, m, optional
+        What a lens with a focus needs beside the light.
+
+    Returns
+    -------
+    (height, width) array, e
 
     Raises
     ------
@@ -149,5 +190,11 @@ def expose_electrons(
 
 
 def exposure_rng(run: int, frame: int, band: int) -> np.random.Generator:
-    """Return the random numbers of one exposure: keyed, never drawn in sequence."""
+    """Return the random numbers of one exposure: keyed, never drawn in sequence.
+
+    Parameters
+    ----------
+    run, frame, band : int
+        The band is 800 or 850, or another number that tells the exposures of a frame apart.
+    """
     return np.random.default_rng(np.random.SeedSequence([run, frame, band]))

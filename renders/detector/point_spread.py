@@ -54,7 +54,7 @@ def discrete_normal(variance_px2: float) -> Floats:
 
 @lru_cache(maxsize=8)
 def point_spread(sigma_px: float) -> Floats:
-    """Return the taps of one axis of a Gaussian point spread of ``sigma_px``."""
+    """Return the taps of one axis of a Gaussian point spread of ``sigma_px``, (2 k + 1,), sum 1."""
     return discrete_normal(sigma_px**2)
 
 

@@ -49,9 +49,21 @@ def radiation_hits(
     exposure_ms: float,
     key: tuple[int, int, int],
 ) -> Floats | None:
-    """Return the charge that particles leave in one exposure, (height, width), e; None if none fly.
+    """Return the charge that particles leave in one exposure; None if none fly.
 
-    ``key`` is (run, frame, band); the noise of the exposure is drawn apart and stays as it was.
+    Parameters
+    ----------
+    radiation : Radiation
+    detector : Detector
+    shape : (int, int), px
+        Height and width of the image.
+    exposure_ms : float, ms
+    key : (int, int, int)
+        (run, frame, band); the noise of the exposure is drawn apart and stays as it was.
+
+    Returns
+    -------
+    (height, width) array, e, or None
     """
     if radiation.flux_cm2_s <= 0.0:
         return None

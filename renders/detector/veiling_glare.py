@@ -36,6 +36,11 @@ def veiled(image: AnyArray, share: float, radius_px: float) -> Floats:
         Of the light that is spread.
     radius_px : float, px
         Radius ``r0`` of the spread; it holds 29 % of the spread light, ten of them 90 %.
+
+    Returns
+    -------
+    (height, width) array
+        In the unit of the image.
     """
     sharp = np.asarray(image, dtype=np.float64)
     height, width = sharp.shape

@@ -18,7 +18,7 @@ import OpenEXR
 from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_bytes
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.store.radiance_store import as_half
 from renders.store.sealed_exr import OPEN, SEAL, flat_header, sealed, whole_bytes
@@ -45,7 +45,14 @@ class KeptWindow:
 def windows_by_marker(
     markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform
 ) -> dict[str, tuple[int, int, int, int]]:
-    """Return the window (left, top, width, height), px, of each marker that is in the image."""
+    """Return the window (left, top, width, height), px, of each marker that is in the image.
+
+    Parameters
+    ----------
+    markers : MarkerPattern
+    camera : Camera
+    cam_from_target : RigidTransform
+    """
     from renders.tracing.radiance import marker_windows  # it loads Mitsuba
 
     found = {}
@@ -67,6 +74,14 @@ def write_windows(
     groups: Mapping[str, Radiance],
 ) -> None:
     """Write the windows of whole groups, by marker name; atomically and under seal.
+
+    Parameters
+    ----------
+    path : Path
+    windows : mapping of str to (left, top, width, height), px
+        By marker; empty where none is in the image.
+    groups : mapping of str to (height, width) arrays, W m-2 sr-1
+        Whole images, by light group.
 
     Raises
     ------

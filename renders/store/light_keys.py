@@ -13,7 +13,8 @@ from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from renders.store.radiance_store import entry_key
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import Exposure, World
+from renders.world.exposure import Exposure
+from renders.world.world import World
 
 PHYSICS_VERSION = 6  # raise it when the same scenario gives other light
 
@@ -65,7 +66,15 @@ class LightKeys:
         }
 
     def group(self, exposure: Exposure, cam_from_target: RigidTransform, group: LightGroup) -> str:
-        """Return the key of one light group in one exposure."""
+        """Return the key of one light group in one exposure.
+
+        Parameters
+        ----------
+        exposure : Exposure
+        cam_from_target : RigidTransform
+            The true pose at that exposure.
+        group : LightGroup
+        """
         kind = {"kind": type(group).__name__, "group": asdict(group)}
         return entry_key({**self._placed(exposure, cam_from_target), **kind})
 

@@ -114,6 +114,11 @@ def read_exr(path: Path, attributes: Mapping[str, str] | None = None) -> dict[st
     path : Path
     attributes : mapping of str to str, optional
         What its header must say.
+
+    Returns
+    -------
+    dict of str to (height, width) arrays, or None
+        By channel.
     """
     data = whole_bytes(path)
     if data is None:

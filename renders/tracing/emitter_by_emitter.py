@@ -28,7 +28,13 @@ SUN_PASSES = 16  # places on the Sun's disc; with 4 the mean is 0.4 % off, with 
 
 
 def sun_disc_directions(group: SunGroup, count: int) -> Floats:
-    """Return ``count`` unit directions spread evenly over the Sun's disc (Vogel's spiral)."""
+    """Return ``count`` unit directions spread evenly over the Sun's disc (Vogel's spiral).
+
+    Returns
+    -------
+    (count, 3) array
+        Target frame.
+    """
     towards = np.asarray(group.direction_in_target)
     helper = np.eye(3)[int(np.argmin(np.abs(towards)))]
     first = np.cross(towards, helper)
@@ -153,6 +159,19 @@ def render_group(
     seed: int,
 ) -> list[Radiance]:
     """Render one group in some windows of the image.
+
+    Parameters
+    ----------
+    geometry : SceneGeometry
+    camera : Camera
+    cam_from_target : RigidTransform
+    group : LightGroup
+    windows : list of (left, top, width, height), px
+    samples : int
+        Per pixel, shared out between the places on the Sun's disc.
+    max_depth : int
+        Surfaces that a path may meet; 1 is direct light.
+    seed : int
 
     Returns
     -------

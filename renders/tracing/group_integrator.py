@@ -8,7 +8,7 @@ that is rendered; how its samples are added up does not either: equal seeds give
 No path is ended by chance (Russian roulette): sixteen lanes walk the scene together, so that a dead
 lane saves little, and what it loses shows as noise. Shadow rays are: a light that would add little
 to what its path already brought is asked for by chance, in proportion, and then counts for more.
-Measured, not assumed; see docs/decisions.md.
+Measured, not assumed; see docs/measurements.md.
 """
 
 from __future__ import annotations
@@ -49,6 +49,15 @@ def leaving(place: Any, normal: Any, direction: Any) -> Any:
     Mitsuba's own ``spawn_ray`` starts 45 times farther off, 0.4 mm at 4 m from the origin, and so
     loses the shadows of what is thin: gaps between solar cells, tabs, blankets' edges. Cycles
     showed it: cells 2.5 % too bright under S2, 60 % under the grazing S3.
+
+    Parameters
+    ----------
+    place : Point3f, m
+        On the surface, target frame.
+    normal : Vector3f
+        Unit, on the side that the ray leaves to.
+    direction : Vector3f
+        Unit.
     """
     return mi.Ray3f(place + normal * (START_PER_M * (1.0 + dr.max(dr.abs(place)))), direction)
 
@@ -143,6 +152,22 @@ def pixel_means(sums: Sequence[Any], lanes: Any, shares: int, samples: int) -> l
 
     On a processor a few lanes are added up in the kernel, so that little of what is a lane's own
     goes to memory. On CUDA they would race: there all of it does.
+
+    Parameters
+    ----------
+    sums : sequence of Float, W m-2 sr-1
+        One a group: what each lane's samples add up to.
+    lanes : UInt32
+        0, 1, 2, ...; those of a pixel follow each other.
+    shares : int
+        Lanes a pixel.
+    samples : int
+        Of a pixel, by all of its lanes.
+
+    Returns
+    -------
+    list of (n,) float32 arrays, W m-2 sr-1
+        One a group, one number a pixel.
     """
     together = min(shares, ADDED_LANES)
     if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:

@@ -35,7 +35,17 @@ class SunLight:
         self.along = _opaque_vector(np.cross(centre, across))
 
     def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
-        """Return (unit direction to the light, distance or inf, irradiance facing it)."""
+        """Return (unit direction to the light, distance or inf, irradiance facing it).
+
+        Parameters
+        ----------
+        point : Point3f, m
+            What is lit, target frame; the Sun is too far off for it to matter.
+        disc : Point2f
+            Uniform within the unit circle: a place on the Sun's disc.
+        choice : Float
+            Not needed: there is one Sun.
+        """
         towards = dr.normalize(self.direction + self.across * disc.x + self.along * disc.y)
         return towards, mi.Float(dr.inf), self.irradiance
 
@@ -69,7 +79,17 @@ class EarthLight:
         return dr.select((inside > 0.0) & (along > 0.0), lit, 0.0)
 
     def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
-        """Return (unit direction to a place on the Earth, inf, irradiance facing it)."""
+        """Return (unit direction to a place on the Earth, inf, irradiance facing it).
+
+        Parameters
+        ----------
+        point : Point3f, m
+            What is lit, target frame; the Earth is too far off for it to matter.
+        disc : Point2f
+            Uniform within the unit circle: a place on the Earth's disc.
+        choice : Float
+            Not needed: there is one Earth.
+        """
         squared = dr.squared_norm(disc)
         cosine = 1.0 - squared * (1.0 - self.cosine)
         sine_over_radius = dr.sqrt((1.0 - self.cosine) * (1.0 + cosine))
@@ -95,7 +115,17 @@ class LampLight:
         self.axis = _opaque_vector(target_from_cam.rotation[:, 2])
 
     def sample(self, point: Any, disc: Any, choice: Any) -> tuple[Any, Any, Any]:
-        """Return (unit direction to the LED, distance, irradiance facing it)."""
+        """Return (unit direction to the LED, distance, irradiance facing it).
+
+        Parameters
+        ----------
+        point : Point3f, m
+            What is lit, target frame.
+        disc : Point2f
+            Not needed: an LED is a point.
+        choice : Float
+            Uniform in [0, 1): which LED.
+        """
         led = mi.UInt32(dr.minimum(choice * self.count, self.count - 1.0))
         place = dr.gather(mi.Point3f, self.points, led)
         towards = place - point

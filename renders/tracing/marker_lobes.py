@@ -16,7 +16,7 @@ import numpy as np
 
 from models.arrays import Floats, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.tracing.light_groups import LampGroup
@@ -110,10 +110,15 @@ def add_lobes(
     ----------
     image : (height, width) array, W m-2 sr-1
         Changed in place.
+    geometry : SceneGeometry
+    camera : Camera
+    cam_from_target : RigidTransform
+    lamps : LampGroup
     windows : list of Window
         One for each disc that may be seen.
     samples : int
         Per pixel, for the share of it that a disc covers.
+    seed : int
     """
     discs = geometry.discs
     if discs is None or not windows or geometry.optics.returned.bands[lamps.channel] == 0.0:

@@ -19,7 +19,7 @@ import numpy as np
 
 from models.arrays import AnyArray, Mask, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.emitter_by_emitter import render_group
 from renders.tracing.group_integrator import trace_groups
@@ -74,11 +74,18 @@ def tiled_pixels(width: int, height: int) -> AnyArray:
 def marker_windows(
     markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform
 ) -> list[Window]:
-    """Return the windows (left, top, width, height), px, that hold each marker's disc."""
+    """Return the windows (left, top, width, height), px, that hold each marker's disc.
+
+    Parameters
+    ----------
+    markers : MarkerPattern
+    camera : Camera
+    cam_from_target : RigidTransform
+    """
     windows = []
     in_cam = cam_from_target @ markers.points_in_target
     for (u, v), point in zip(camera.project(in_cam), in_cam, strict=True):
-        if point[2] <= markers.radius_m:
+        if point[2] <= markers.radius_m or not np.isfinite(u):
             continue
         reach = markers.radius_m * max(camera.fx, camera.fy) / point[2] + WINDOW_MARGIN_PX
         left, top = max(0, int(np.floor(u - reach))), max(0, int(np.floor(v - reach)))
@@ -96,6 +103,14 @@ def marker_pixels(
 
     Only the latter need many samples: what a sample there meets is all or nothing. A pixel's ray
     is met with each disc's plane, and its distance from the outline counted in pixels.
+
+    Parameters
+    ----------
+    markers : MarkerPattern
+    camera : Camera
+    cam_from_target : RigidTransform
+    windows : list of (left, top, width, height), px
+        At least one.
 
     Returns
     -------

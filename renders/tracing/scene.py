@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 
 from models.arrays import Floats
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
@@ -104,7 +104,18 @@ def jit_number(shape: Any) -> int:
 
 
 def mitsuba_mesh(key: str, mesh: trimesh.Trimesh, bsdf: Any, smooth: bool) -> Any:
-    """Turn a trimesh mesh into a Mitsuba mesh, in any variant."""
+    """Turn a trimesh mesh into a Mitsuba mesh, in any variant.
+
+    Parameters
+    ----------
+    key : str
+        The shape's name.
+    mesh : trimesh.Trimesh
+        In m.
+    bsdf : Mitsuba BSDF
+    smooth : bool
+        Whether normals are interpolated.
+    """
     props = mi.Properties()
     props["mesh_bsdf"] = bsdf
     if not smooth:
@@ -120,7 +131,16 @@ def mitsuba_mesh(key: str, mesh: trimesh.Trimesh, bsdf: Any, smooth: bool) -> An
 
 
 def marker_transform(point: Floats, normal: Floats, radius_m: float) -> Floats:
-    """Return the (4, 4) matrix that makes a unit disc in the plane z = 0 a marker's face."""
+    """Return the (4, 4) matrix that makes a unit disc in the plane z = 0 a marker's face.
+
+    Parameters
+    ----------
+    point : (3,) array, m
+        The disc's centre, target frame.
+    normal : (3,) array
+        Of any length.
+    radius_m : float, m
+    """
     z = normal / np.linalg.norm(normal)
     helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, helper)
@@ -137,6 +157,14 @@ def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh
     Mitsuba's own disk would do, but one shape that is no mesh makes Embree walk a second tree for
     every ray: 40 % of the time of a scene under many Suns. The polygon's rim is within 6e-5 of the
     circle's radius.
+
+    Parameters
+    ----------
+    point : (3,) array, m
+        The disc's centre, target frame.
+    normal : (3,) array
+        Of any length.
+    radius_m : float, m
     """
     import trimesh
 
@@ -223,7 +251,15 @@ def build_geometry(
 
 
 def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:
-    """Move the chaser so that its camera stands where ``cam_from_target`` says."""
+    """Move the chaser so that its camera stands where ``cam_from_target`` says.
+
+    Parameters
+    ----------
+    scene : Mitsuba scene
+        Of these shapes; changed in place.
+    geometry : SceneGeometry
+    cam_from_target : RigidTransform
+    """
     if not geometry.chaser_in_cam:
         return
     target_from_cam = cam_from_target.inverse()

@@ -26,7 +26,14 @@ CUBE = np.array(list(product((-1.0, 1.0), repeat=3)))  # around a disc, whatever
 def pieces_of(
     target: Spacecraft, chaser: Spacecraft | None, cam_from_target: RigidTransform
 ) -> Iterator[Floats]:
-    """Yield the corners of everything that could be seen, (n, 3), m, target frame."""
+    """Yield the corners of everything that could be seen, (n, 3), m, target frame.
+
+    Parameters
+    ----------
+    target : Spacecraft
+    chaser : Spacecraft or None
+    cam_from_target : RigidTransform
+    """
     for part in target.parts:
         yield np.asarray(part.mesh.vertices, dtype=np.float64)
     if target.markers is not None:
@@ -109,7 +116,14 @@ def _sides(camera: Camera) -> Floats:
 
 
 def sees(camera: Camera, cam_from_target: RigidTransform, earth: Earth) -> bool:
-    """Tell whether any of the Earth's disc is within the image."""
+    """Tell whether any of the Earth's disc is within the image.
+
+    Parameters
+    ----------
+    camera : Camera
+    cam_from_target : RigidTransform
+    earth : Earth
+    """
     edge = _border(camera)
     rays = cam_from_target.inverse().rotate(camera.rays(edge))
     towards = np.array(earth.direction_in_target)

@@ -1,7 +1,7 @@
 """Surfaces as the one-pass kernel reads them: a table of numbers, and their lobes in closed form.
 
 One table and one formula serve every material, so that a kernel calls no function per material and
-light; docs/decisions.md tells what that saves. The same lobes are Mitsuba's ``diffuse``,
+light; docs/measurements.md tells what that saves. The same lobes are Mitsuba's ``diffuse``,
 ``roughconductor`` and ``blendbsdf``, against which they are tested.
 
 Sources: GGX and its Smith shadowing, Walter et al. 2007, equations 33 and 34; visible normals,
@@ -66,7 +66,18 @@ class SurfaceTable:
         dr.make_opaque(list(vars(self).values()))
 
     def seen(self, si: Any, ray: Any, bands: Sequence[int], active: Any) -> SurfaceSeen:
-        """Return what surfaces are where rays met them."""
+        """Return what surfaces are where rays met them.
+
+        Parameters
+        ----------
+        si : SurfaceInteraction3f
+            Where rays met shapes.
+        ray : Ray3f
+        bands : sequence of int
+            Those of the three bands that are asked for.
+        active : Bool
+            Lanes that met something.
+        """
         number = dr.gather(
             mi.UInt32, self.numbers, dr.reinterpret_array(mi.UInt32, si.shape), active
         )

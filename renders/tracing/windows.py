@@ -16,7 +16,13 @@ Window = tuple[int, int, int, int]  # left, top, width, height, px
 
 
 def window_around(in_view: Mask | None, camera: Camera) -> Window:
-    """Return the least window that holds some pixels; the whole image for None, or for none."""
+    """Return the least window that holds some pixels; the whole image for None, or for none.
+
+    Parameters
+    ----------
+    in_view : (height, width) array of bool, or None
+    camera : Camera
+    """
     if in_view is None or not in_view.any():
         return 0, 0, camera.width, camera.height
     rows, columns = np.flatnonzero(in_view.any(axis=1)), np.flatnonzero(in_view.any(axis=0))
@@ -37,10 +43,15 @@ def render_windows(
 
     Parameters
     ----------
+    scene : Mitsuba scene
+    camera : Camera
+    cam_from_target : RigidTransform
+    windows : list of (left, top, width, height), px
     samples : int
         Per pixel, stratified if a square number.
     segments : int
         Mitsuba's ``max_depth``: 1 shows emitters alone, 2 direct light.
+    seed : int
 
     Returns
     -------

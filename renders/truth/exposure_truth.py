@@ -163,7 +163,7 @@ def read_records(folder: Path, from_fields: Callable[[Fields], T]) -> list[T]:
             "only datasets rendered here can be scored"
         )
     records: list[T] = []
-    lines: dict[tuple[Any, Any], int] = {}
+    lines: dict[tuple[object, object], int] = {}
     try:
         tables = read_json_lines(path, MOST_TRUTH_BYTES)
     except UnreadableError as error:

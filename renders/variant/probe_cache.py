@@ -73,7 +73,16 @@ def read(variant: str, machine: str) -> dict[str, Any] | None:
 
 
 def write(variant: str, machine: str, result: dict[str, Any]) -> None:
-    """Keep the result of a probe; a folder that cannot be written keeps none."""
+    """Keep the result of a probe; a folder that cannot be written keeps none.
+
+    Parameters
+    ----------
+    variant : str
+    machine : str
+        Its fingerprint, part of the record's name.
+    result : dict
+        What the probe said; plain enough for JSON.
+    """
     record = {"probed_at": time.time(), "result": result}
     try:
         write_text(_record_path(variant, machine), json.dumps(record, indent=1) + "\n")

@@ -12,9 +12,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from models.dataset.navigation_estimates_file import read_navigation_estimates
 
 from bench import api
-from models.dataset.navigation_estimates_file import read_navigation_estimates
 from tests.support.synthetic_dataset import write_dataset
 from tests.support.synthetic_images import write_images
 

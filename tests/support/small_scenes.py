@@ -11,7 +11,7 @@ import trimesh
 
 from models.arrays import Floats, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.materials import BLACK, MATERIALS, BandReflectance, Material
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft

@@ -7,18 +7,21 @@ the target is 30 m ahead along the axes, which is right at time zero only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.scoring.cramer_rao import pose_bound
-from models.estimate import Detections, Estimate, NoPose, PoseEstimate
+from bench.scoring.pairs.cramer_rao import pose_bound
+from models.estimate import Detections, Estimate, PoseEstimate
+from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
+from models.onboard import OnboardKnowledge
 from models.pose import RigidTransform
-from models.uncooperative import NavigationEstimate, PointFrame, UncooperativeKnowledge
+from pipelines.pipeline import RegisteredPipeline
+from pipelines.uncooperative.knowledge import PointFrame, Seen, UncooperativeKnowledge, seen
 
 VARIANTS = ("paper", "best")
 NEAR_PX = 40.0
@@ -51,35 +54,42 @@ class Uncooperative:
         self.state = start
         self.seen = 0
 
-    def process(self, frame: PointFrame) -> NavigationEstimate:
-        """Take one frame."""
+    def process(self, frame: Frame) -> Estimate:
+        """Take one frame of points."""
         self.seen += 1
+        shown = seen(frame)
         if self.state is None:
-            return self._search(frame)
-        pose = self._solve(frame, self.state.cam_from_target(CAM_FROM_LVLH))
-        if isinstance(pose, PoseEstimate):
-            lvlh_from_target = CAM_FROM_LVLH.inverse() @ pose.cam_from_target
-            blend = self.options.blend
-            rho = self.state.rho_in_lvlh
-            self.state = RelativeState(
-                frame.time_s,
-                rho + blend * (lvlh_from_target.translation - rho),
-                np.zeros(3),
-                lvlh_from_target.rotation,
-                np.zeros(3),
-            )
+            return self._search(shown)
+        assert isinstance(shown, PointFrame)
+        estimate = self._solve(shown, self.state.cam_from_target(CAM_FROM_LVLH))
+        assert estimate.pose is not None
+        lvlh_from_target = CAM_FROM_LVLH.inverse() @ estimate.pose.cam_from_target
+        blend = self.options.blend
+        rho = self.state.rho_in_lvlh
+        self.state = RelativeState(
+            frame.time_s,
+            rho + blend * (lvlh_from_target.translation - rho),
+            np.zeros(3),
+            lvlh_from_target.rotation,
+            np.zeros(3),
+        )
         spread = np.diag(np.repeat([0.05, 0.01], 3) ** 2)
-        mode = "tracked" if pose else "predicted"
-        return NavigationEstimate(frame.index, frame.time_s, mode, pose, self.state, spread, spread)
+        return replace(estimate, mode="tracked", states=self.state.named(spread, spread))
 
-    def _search(self, frame: PointFrame) -> NavigationEstimate:
-        none = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())
-        pose: Estimate = NoPose(frame.index, frame.time_s, "one image is not enough", none)
-        if self.seen >= 2:
-            ahead = CAM_FROM_LVLH @ RigidTransform(np.eye(3), np.array([0.0, 30.0, 0.0]))
-            pose = PoseEstimate(frame.index, frame.time_s, ahead, np.eye(6), none, 1.0)
-        mode = "acquired" if pose else "searching"
-        return NavigationEstimate(frame.index, frame.time_s, mode, pose, None, None, None)
+    def _search(self, frame: Seen) -> Estimate:
+        if self.seen < 2:
+            return Estimate(
+                frame.index,
+                frame.time_s,
+                reason="one image is not enough",
+                detections=Detections.none(),
+                mode="searching",
+            )
+        ahead = CAM_FROM_LVLH @ RigidTransform(np.eye(3), np.array([0.0, 30.0, 0.0]))
+        pose = PoseEstimate(ahead, np.eye(6), 1.0)
+        return Estimate(
+            frame.index, frame.time_s, pose, detections=Detections.none(), mode="acquired"
+        )
 
     def _solve(self, frame: PointFrame, guess: RigidTransform) -> Estimate:
         camera, target = self.knowledge.camera, self.knowledge.target
@@ -99,4 +109,20 @@ class Uncooperative:
                            (True,) * int(named.sum()))  # fmt: skip
         covariance = pose_bound(camera, points, pose, [sigma, sigma])
         assert covariance is not None
-        return PoseEstimate(frame.index, frame.time_s, pose, covariance, found, sigma)
+        said = PoseEstimate(pose, covariance, sigma)
+        return Estimate(frame.index, frame.time_s, said, detections=found)
+
+
+def made(onboard: OnboardKnowledge, variant: str) -> Uncooperative:
+    """Make one from what is on board, for the registry."""
+    return Uncooperative(UncooperativeKnowledge.of(onboard), options_for(variant))
+
+
+PIPELINE = RegisteredPipeline(
+    name="stand_in",
+    make=made,
+    streams=("image", "chaser_orbit"),
+    variants=VARIANTS,
+    settings=lambda variant: repr(options_for(variant)),
+    label=lambda variant: variant,
+)

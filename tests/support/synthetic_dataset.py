@@ -16,20 +16,16 @@ import numpy as np
 
 from models.arrays import Floats
 from models.camera import Camera, camera_preset
-from models.dataset.dataset import (
-    DatasetInfo,
-    FrameEntry,
-    detector_to_toml,
-    encode_image,
-    frames_to_csv,
-    image_path,
-    info_to_json,
-    markers_to_toml,
-    prior_to_toml,
-)
+from models.dataset.description import DatasetInfo, Stream, info_to_json
 from models.dataset.estimates_file import write_estimates
-from models.estimate import Detections, Estimate, NoPose, PoseEstimate
-from models.frame import FlightKnowledge, MarkerPattern
+from models.dataset.frame_table import FrameEntry, frames_to_csv
+from models.dataset.image_file import encode_image
+from models.dataset.marker_file import markers_to_toml
+from models.dataset.onboard_files import onboard_texts
+from models.estimate import Detections, Estimate, PoseEstimate
+from models.frame import IMAGE_800, IMAGE_850
+from models.markers import MarkerPattern
+from models.onboard import OnboardKnowledge, PosePrior
 from models.pose import RigidTransform, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
@@ -39,6 +35,11 @@ WIDTH_PX = 512
 MARKER_DN = 2000.0
 NOISE_DN = 3.0
 SUBSAMPLES = 6
+PAIR_GAP_S = 0.033
+STREAMS = (
+    Stream(IMAGE_800, "image", "frames/{index:06d}_800.png", offset_s=-PAIR_GAP_S),
+    Stream(IMAGE_850, "image", "frames/{index:06d}_850.png"),
+)
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,16 @@ class SyntheticDataset:
     pattern: MarkerPattern
     entries: tuple[FrameEntry, ...]
     truths: tuple[ExposureTruth, ...]
+    onboard: OnboardKnowledge
+
+    def image_path(self, index: int, band: int) -> Path:
+        """Return where one image of a pair lies."""
+        return image_path(self.folder, index, band)
+
+
+def image_path(folder: Path, index: int, band: int) -> Path:
+    """Return where one image of a pair lies; the band is 800 or 850."""
+    return STREAMS[(800, 850).index(band)].path(folder, index)
 
 
 def true_pose(range_m: float, phase: float) -> RigidTransform:
@@ -118,30 +129,40 @@ def write_dataset(
         true_pose(float(r), float(0.02 * k))
         for k, r in enumerate(np.linspace(*range_m, frames, dtype=np.float64))
     ]
-    knowledge = FlightKnowledge(
+    onboard = OnboardKnowledge(
         camera=camera,
         detector=detector,
         markers=pattern,
-        prior=poses[0].perturbed([0.004, -0.003, 0.002], [0.005, -0.004, 0.01]),
-        prior_sigma_m=np.array([0.017, 0.017, 0.05]),
-        prior_sigma_deg=np.ones(3),
+        prior=PosePrior(
+            poses[0].perturbed([0.004, -0.003, 0.002], [0.005, -0.004, 0.01]),
+            sigma_m=np.array([0.017, 0.017, 0.05]),
+            sigma_deg=np.ones(3),
+        ),
     )
-    info = DatasetInfo("maxar-demo", sun, frames, "maxar1300", {"rvbench": "test"})
+    known = onboard_texts(onboard)
+    info = DatasetInfo(
+        case="maxar-demo",
+        sun=sun,
+        frames=frames,
+        target="maxar1300",
+        chain="retroreflector_pairs",
+        streams=STREAMS,
+        onboard=tuple(known),
+        provenance={"rvbench": "test"},
+    )
     texts = {
         "dataset.json": info_to_json(info),
-        "camera.toml": camera.to_toml(),
-        "detector.toml": detector_to_toml(detector),
-        "markers.toml": markers_to_toml(pattern),
-        "prior.toml": prior_to_toml(knowledge),
-        "frames.csv": frames_to_csv(list(entries)),
+        "frames.csv": frames_to_csv(entries),
+        **known,
     }
     (folder / "truth").mkdir(parents=True)
     (folder / "frames").mkdir()
     for name, text in texts.items():
         (folder / name).write_text(text)
     (folder / "truth" / "parts.json").write_text(json.dumps(["bus"]))
+    (folder / "truth" / "markers.toml").write_text(markers_to_toml(pattern))
     truths = [
-        true_exposure(e.index, band, e.time_s - (0.033 if band == 800 else 0.0), pose, camera)
+        true_exposure(e.index, band, e.time_s - (PAIR_GAP_S if band == 800 else 0.0), pose, camera)
         for e, pose in zip(entries, poses, strict=True)
         for band in (800, 850)
     ]
@@ -155,36 +176,37 @@ def write_dataset(
             lit = draw_markers(camera, pattern, truth.cam_from_target) if truth.band == 850 else 0.0
             image = np.clip(np.rint(dark + MARKER_DN * lit), 0, detector.max_dn).astype(np.uint16)
             image_path(folder, truth.frame, truth.band).write_bytes(encode_image(image))
-    return SyntheticDataset(folder, camera, pattern, entries, tuple(truths[1::2]))
+    return SyntheticDataset(folder, camera, pattern, entries, tuple(truths[1::2]), onboard)
 
 
-def perfect_estimate(truth: ExposureTruth) -> PoseEstimate:
+def perfect_estimate(truth: ExposureTruth) -> Estimate:
     """Return an estimate that says the truth, with detections on the markers' centres."""
     seen = np.flatnonzero(truth.visible > 0.0)
-    return PoseEstimate(
+    return Estimate(
         frame=truth.frame,
         time_s=truth.time_s,
-        cam_from_target=truth.cam_from_target,
-        covariance=np.diag([1e-4] * 3 + [1e-3] * 3) ** 2,
+        pose=PoseEstimate(
+            cam_from_target=truth.cam_from_target,
+            covariance=np.diag([1e-4] * 3 + [1e-3] * 3) ** 2,
+            residual_rms_px=0.0,
+        ),
         detections=Detections(
             points_px=truth.markers_px[seen],
             sigma_px=np.full((len(seen), 2), 0.02),
             marker=tuple(int(index) for index in seen),
             used=(True,) * len(seen),
         ),
-        residual_rms_px=0.0,
     )
 
 
-def lost_estimate(truth: ExposureTruth, reason: str = "2 markers, at least 4 needed") -> NoPose:
+def lost_estimate(truth: ExposureTruth, reason: str = "2 markers, at least 4 needed") -> Estimate:
     """Return an honest "no pose" without detections."""
-    nothing = Detections(np.empty((0, 2)), np.empty((0, 2)), (), ())
-    return NoPose(truth.frame, truth.time_s, reason, nothing)
+    return Estimate(truth.frame, truth.time_s, reason=reason, detections=Detections.none())
 
 
 def solved_estimate(
     dataset: SyntheticDataset, truth: ExposureTruth, sigma_px: Floats, rng: np.random.Generator
-) -> PoseEstimate:
+) -> Estimate:
     """Add Gaussian noise to the true centroids and solve with OpenCV, a solver not ours.
 
     The covariance is that of the linearised problem for the noise given, by OpenCV's Jacobian.
@@ -199,18 +221,20 @@ def solved_estimate(
     pose = RigidTransform(cv2.Rodrigues(rvec)[0], tvec.ravel())
     jacobian = _opencv_jacobian(dataset, points, pose)
     weighted = jacobian / np.tile(sigma_px, len(seen))[:, None]
-    return PoseEstimate(
+    return Estimate(
         frame=truth.frame,
         time_s=truth.time_s,
-        cam_from_target=pose,
-        covariance=np.linalg.inv(weighted.T @ weighted),
+        pose=PoseEstimate(
+            cam_from_target=pose,
+            covariance=np.linalg.inv(weighted.T @ weighted),
+            residual_rms_px=float(sigma_px.mean()),
+        ),
         detections=Detections(
             points_px=pixels,
             sigma_px=np.tile(sigma_px, (len(seen), 1)),
             marker=tuple(int(index) for index in seen),
             used=(True,) * len(seen),
         ),
-        residual_rms_px=float(sigma_px.mean()),
     )
 
 

@@ -16,31 +16,31 @@ import numpy as np
 from models.arrays import Image
 from models.atomic_file import write_bytes, write_text
 from models.camera import Camera, camera_preset
-from models.dataset.dataset import (
-    FILTERED,
-    DatasetInfo,
-    FrameEntry,
-    detector_to_toml,
-    encode_image,
-    frames_to_csv,
-    image_path,
-    info_to_json,
-)
-from models.dataset.image_dataset import FORMAT, knowledge_to_toml, navigation_to_csv
+from models.dataset.description import DatasetInfo, Stream, info_to_json
+from models.dataset.frame_table import FrameEntry, frames_to_csv
+from models.dataset.image_file import encode_image
+from models.dataset.onboard_files import onboard_texts
+from models.dataset.sensor_table import table_to_csv
+from models.frame import CHASER_ORBIT, IMAGE
 from models.motion.chaser_navigation import corrupted
 from models.motion.kepler_orbit import KeplerOrbit
+from models.motion.relative_state import CHASER_ORBIT_COLUMNS
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
+from models.onboard import FlightExpectations, OnboardKnowledge
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.spacecraft.wireframes import wireframe_by_name
-from models.uncooperative import UncooperativeKnowledge
 from models.wireframe.visibility import visible_landmarks
 from models.wireframe.wireframe import Wireframe
-from models.wireframe.wireframe_file import wireframe_to_json
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 from renders.truth.image_truth import ImageTruth
 from tests.support.tumble_scenario import TUMBLE
 
 WIDTH_PX = 512
+STREAMS = (
+    Stream(IMAGE, "image", "frames/{index:06d}.png"),
+    Stream(CHASER_ORBIT, "table", "navigation.csv", CHASER_ORBIT_COLUMNS),
+)
 SUN_IN_LVLH = np.array([0.3, -0.62, 0.72])
 
 
@@ -49,10 +49,20 @@ class SyntheticImages:
     """What was written, and the truth that it was made from."""
 
     folder: Path
-    knowledge: UncooperativeKnowledge
+    onboard: OnboardKnowledge
     entries: tuple[FrameEntry, ...]
     truths: tuple[ImageTruth, ...]
     tumble: Tumble
+
+    @property
+    def knowledge(self) -> UncooperativeKnowledge:
+        """What the pipeline takes of what is on board."""
+        return UncooperativeKnowledge.of(self.onboard)
+
+
+def image_path(folder: Path, index: int) -> Path:
+    """Return where an image lies."""
+    return STREAMS[0].path(folder, index)
 
 
 def small_tumble(duration_s: float) -> Tumble:
@@ -96,40 +106,48 @@ def write_images(
     """Write both halves of a dataset."""
     camera = camera_preset("chaser_fixed").resized(width_px)
     target, tumble = wireframe_by_name(target_name), small_tumble(start_s + frames * step_s)
-    knowledge = UncooperativeKnowledge(
+    onboard = OnboardKnowledge(
         camera=camera,
-        target=target,
-        cam_from_lvlh=CAM_FROM_LVLH,
-        sigma_px=0.7,
-        chaser_sigma_m=10.0,
-        chaser_sigma_m_s=0.1,
-        range_m=(29.0, 31.0),
         detector=Detector(),
-        inertia_kg_m2=tumble.inertia_kg_m2,
+        wireframe=target,
+        expectations=FlightExpectations(
+            cam_from_lvlh=CAM_FROM_LVLH,
+            sigma_px=0.7,
+            chaser_sigma_m=10.0,
+            chaser_sigma_m_s=0.1,
+            range_m=(29.0, 31.0),
+            inertia_kg_m2=tumble.inertia_kg_m2,
+        ),
     )
+    known = onboard_texts(onboard)
     entries = tuple(FrameEntry(k, start_s + step_s * k, 4.0) for k in range(frames))
-    info = DatasetInfo("painted", "1,0,0", frames, target_name, {}, FORMAT)
-    chaser = [
-        (e.index, corrupted(tumble.chaser_state(e.time_s), seed=1, run=0, frame=e.index))
+    info = DatasetInfo(
+        case="painted",
+        sun="1,0,0",
+        frames=frames,
+        target=target_name,
+        chain="tumble_images",
+        streams=STREAMS,
+        onboard=tuple(known),
+    )
+    orbit = [
+        (e.index, corrupted(tumble.chaser_state(e.time_s), seed=1, run=0, frame=e.index).reading())
         for e in entries
     ]
     truths = tuple(true_image(target, camera, tumble, entry) for entry in entries)
     texts = {
         "dataset.json": info_to_json(info),
-        "camera.toml": camera.to_toml(),
-        "detector.toml": detector_to_toml(Detector()),
-        "knowledge.toml": knowledge_to_toml(knowledge),
-        "wireframe.json": wireframe_to_json(target),
-        "frames.csv": frames_to_csv(list(entries)),
-        "navigation.csv": navigation_to_csv(chaser),
+        "frames.csv": frames_to_csv(entries),
+        "navigation.csv": table_to_csv(CHASER_ORBIT_COLUMNS, orbit),
         "truth/exposures.jsonl": "".join(json.dumps(t.to_json()) + "\n" for t in truths),
+        **known,
     }
     for name, text in texts.items():
         write_text(folder / name, text)
     for truth in truths:
         image = painted(target, camera, truth.cam_from_target, truth.frame)
-        write_bytes(image_path(folder, truth.frame, FILTERED), encode_image(image))
-    return SyntheticImages(folder, knowledge, entries, truths, tumble)
+        write_bytes(image_path(folder, truth.frame), encode_image(image))
+    return SyntheticImages(folder, onboard, entries, truths, tumble)
 
 
 def true_image(target: Wireframe, camera: Camera, tumble: Tumble, entry: FrameEntry) -> ImageTruth:

@@ -15,12 +15,16 @@ from scipy.special import ndtr
 
 from models.arrays import Floats, Image
 from models.camera import Camera
-from models.frame import FlightKnowledge, Frame, MarkerPattern
+from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
+from pipelines.chaser_fixed.knowledge import FlightKnowledge
 
 CAMERA_2048 = Camera.from_fov(2048, 2048, 50.0)
 CAMERA_1024 = Camera.from_fov(1024, 1024, 50.0)
+PAIR_GAP_S = 0.033  # from the 800 nm exposure to the 850 nm one: 30 Hz
+EXPOSURE_MS = 20.0
 PRIOR_SIGMA_M = np.array([0.017, 0.017, 0.05])  # Opromolla et al. 2022, Table 5
 PRIOR_SIGMA_DEG = np.array([1.0, 1.0, 1.0])
 
@@ -223,6 +227,15 @@ def expose(electrons: Floats, detector: Detector, rng: np.random.Generator) -> I
     return np.asarray(np.clip(level, 0, detector.max_dn).astype(np.uint16))
 
 
+def pair_frame(index: int, time_s: float, image_800: Image, image_850: Image) -> Frame:
+    """Return a frame of two images."""
+    readings = {
+        IMAGE_800: ImageReading(image_800, time_s - PAIR_GAP_S, EXPOSURE_MS),
+        IMAGE_850: ImageReading(image_850, time_s, EXPOSURE_MS),
+    }
+    return Frame(index, time_s, readings)
+
+
 @dataclass(frozen=True, eq=False)
 class ExpectedPair:
     """Noise-free signals over full well, to be exposed as often as a test wants."""
@@ -243,7 +256,7 @@ class ExpectedPair:
             expose(signal * response * detector.full_well_e, detector, rng)
             for signal in (self.signal_800, self.signal_850)
         ]
-        return Frame(index, time_s, images[0], images[1], 20.0)
+        return pair_frame(index, time_s, images[0], images[1])
 
 
 def expected_pair(scene: Scene, pose: RigidTransform) -> ExpectedPair:

@@ -7,25 +7,21 @@ images looked at.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from bench.estimating.navigators import navigator
-from bench.scoring.navigation_errors import pose_error_sizes
+from bench.scoring.tumble.navigation_errors import pose_error_sizes, symmetric_attitude_deg
 from bench.suites.pesce2019.cases import Case, tumble_of
+from bench.suites.pesce2019.navigators import navigator
 from bench.suites.pesce2019.synthetic_points import PointNoise, point_frame
 from bench.suites.units import Outcome
-from models.arrays import AnyArray, Floats
+from models.arrays import AnyArray
 from models.camera import camera_preset
-from models.estimate import PoseEstimate
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
 from models.motion.tumble import CAM_FROM_LVLH
-from models.pose import RigidTransform
 from models.spacecraft.wireframes import wireframe_by_name
-from models.uncooperative import UncooperativeKnowledge
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
 EPOCH_DRAW = 0xE90C
 WRONG_M, WRONG_DEG = 1.0, 10.0
@@ -67,7 +63,16 @@ class AcquisitionTask:
 
 
 def knowledge_of(case: Case, camera: str, sigma_px: float) -> UncooperativeKnowledge:
-    """Return what is on board in a suite on points: everything exactly, no range."""
+    """Return what is on board in a suite on points: everything exactly, no range.
+
+    Parameters
+    ----------
+    case : Case
+    camera : str
+        Name of a preset.
+    sigma_px : float, px
+        1 sigma of a corner on each axis.
+    """
     return UncooperativeKnowledge(
         camera=camera_preset(camera),
         target=wireframe_by_name(case.target),
@@ -105,15 +110,6 @@ def acquire(task: AcquisitionTask) -> Outcome:
     return Outcome(values, np.array(seconds))
 
 
-def symmetric_attitude_deg(
-    estimate: RigidTransform, truth: RigidTransform, symmetries: Sequence[Floats]
-) -> float:
-    """Return the attitude error up to the target's symmetries, deg."""
-    turns = np.array([truth.rotation @ own for own in (np.eye(3), *symmetries)])
-    sizes = Rotation.from_matrix(estimate.rotation @ turns.swapaxes(1, 2)).magnitude()
-    return float(np.rad2deg(np.min(sizes)))
-
-
 def _acquisition(task: AcquisitionTask, run: int) -> tuple[list[float], float]:
     tumble = tumble_of(task.case, task.span_s + task.most_images / task.rate_hz)
     knowledge = knowledge_of(task.case, task.camera, task.noise.sigma_px)
@@ -128,7 +124,7 @@ def _acquisition(task: AcquisitionTask, run: int) -> tuple[list[float], float]:
         began = time.process_time()
         estimate = pipeline.process(points)
         spent_s += time.process_time() - began
-        if isinstance(estimate.pose, PoseEstimate):
+        if estimate.pose is not None:
             found, truth = estimate.pose.cam_from_target, tumble.cam_from_target(now_s)
             moved_m, turned_deg = pose_error_sizes(found, truth)
             alike_deg = symmetric_attitude_deg(found, truth, knowledge.target.symmetries)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.report.published import REFERENCE
+from bench.report.pairs.published import REFERENCE
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.tumble import Tumble
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
-from bench.scoring.cramer_rao import pose_bound
+from bench.scoring.pairs.cramer_rao import pose_bound
 from bench.suites.pesce2019.cases import Case, tumble_of
 from bench.suites.pesce2019.start_errors import StartErrors
 from bench.suites.units import Outcome
@@ -103,7 +103,17 @@ def bound(task: BoundTask) -> Outcome:
 def pose_information(
     tumble: Tumble, target: Wireframe, camera: Camera, sigma_px: float, time_s: float
 ) -> Floats:
-    """Return (6, 6): what one image tells of position (local frame) and turn (target axes)."""
+    """Return (6, 6): what one image tells of position (local frame) and turn (target axes).
+
+    Parameters
+    ----------
+    tumble : Tumble
+    target : Wireframe
+    camera : Camera
+    sigma_px : float, px
+        1 sigma of a corner on each axis.
+    time_s : float, s
+    """
     pose: RigidTransform = tumble.cam_from_target(time_s, CAM_FROM_LVLH)
     smallest = pose_bound(camera, target.points_in_target, pose, [sigma_px, sigma_px])
     if smallest is None:
@@ -118,6 +128,11 @@ def transition(tumble: Tumble, from_s: float, to_s: float) -> Floats:
     """Return the (12, 12) matrix that carries small errors of (rho, rho_dot, turn, inertial rate).
 
     The turn is in target axes, ``R_true = R exp([turn]x)``; the rate is the inertial one.
+
+    Parameters
+    ----------
+    tumble : Tumble
+    from_s, to_s : float, s
     """
     carried = np.zeros((12, 12))
     carried[:6, :6] = state_transition(tumble.orbit, from_s, to_s)
@@ -132,7 +147,7 @@ def transition(tumble: Tumble, from_s: float, to_s: float) -> Floats:
 
 
 def inertial_rate(tumble: Tumble, time_s: float) -> Floats:
-    """Return the target's inertial rate in its own axes, rad/s."""
+    """Return the target's inertial rate in its own axes, (3,) rad/s."""
     state = tumble.state(time_s)
     spin_of_lvlh = np.array([0.0, 0.0, tumble.orbit.anomaly_rate(time_s)])
     return np.asarray(

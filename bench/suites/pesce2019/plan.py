@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.estimating.navigators import OURS, options_text
 from bench.suites.pesce2019.acquisition_trial import AcquisitionTask, acquire
 from bench.suites.pesce2019.cases import Case, case, published
 from bench.suites.pesce2019.filter_bound import BoundTask, bound
+from bench.suites.pesce2019.navigators import OURS, options_text
 from bench.suites.pesce2019.start_errors import StartErrors
 from bench.suites.pesce2019.synthetic_points import PointNoise
 from bench.suites.pesce2019.tracking_run import TrackingTask, track

@@ -47,7 +47,15 @@ class StartErrors:
 
 
 def drawn_start(truth: RelativeState, errors: StartErrors, seed: int, run: int) -> RelativeState:
-    """Return a start: the true position and attitude with a drawn error, and no rates."""
+    """Return a start: the true position and attitude with a drawn error, and no rates.
+
+    Parameters
+    ----------
+    truth : RelativeState
+    errors : StartErrors
+    seed, run : int
+        The same pair always draws the same error.
+    """
     draw = np.random.default_rng([seed, run, START_DRAW])
     position_m = abs(errors.position_mean_m + errors.position_std_m * draw.standard_normal())
     attitude_deg = abs(errors.attitude_mean_deg + errors.attitude_std_deg * draw.standard_normal())

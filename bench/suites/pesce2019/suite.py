@@ -11,10 +11,10 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.estimating.navigators import options_text
 from bench.report.numbers import number
 from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.pesce2019.comparison import Compared, compared
+from bench.suites.pesce2019.navigators import options_text
 from bench.suites.pesce2019.plan import CAMERA, PARTS, QUICK, RATE_HZ, VARIANTS, Plan, Sizes
 from bench.suites.pesce2019.results import Outcomes, Results
 from bench.suites.pesce2019.suite_page import write_suite_page
@@ -56,7 +56,18 @@ def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
 
 
 def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFiles:
-    """Do what is missing of a plan and write its results; see ``run_suite``."""
+    """Do what is missing of a plan and write its results; see ``run_suite``.
+
+    Parameters
+    ----------
+    plan : Plan
+    out : Path
+        Folder of the results.
+    workers : int
+        Processes.
+    console : Console
+        For progress.
+    """
     folder = out / "units"
     do_units(plan.units(), folder, workers, console)
     outcomes = Outcomes(plan, folder)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bench.report.figures import COLOURS, INK, OTHER, drawn_svg
+from bench.report.plot import COLOURS, INK, OTHER, drawn_svg
 from bench.suites.pesce2019.cases import case
 from bench.suites.pesce2019.plan import ACQUIRED_CASES, RATE_HZ, VARIANTS
 from bench.suites.pesce2019.results import Outcomes

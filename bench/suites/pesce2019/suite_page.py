@@ -7,10 +7,10 @@ from typing import Any
 
 import jinja2
 
-from bench.report.figures import svg_address
 from bench.report.numbers import count, number, share
-from bench.report.page import Card
-from bench.report.tables import Table
+from bench.report.parts import Card
+from bench.report.plot import svg_address
+from bench.report.table import Table
 from bench.suites.pesce2019 import suite_figures, suite_tables
 from bench.suites.pesce2019.cases import case, published
 from bench.suites.pesce2019.comparison import Compared, table5_note

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from bench.report.numbers import NONE, count, number, share
-from bench.report.tables import TITLES, Table
+from bench.report.table import TITLES, Table
 from bench.suites.pesce2019.cases import published
 from bench.suites.pesce2019.comparison import Compared
 from bench.suites.pesce2019.plan import VARIANTS, Cell
@@ -130,6 +130,17 @@ def standing(raw: float | None, filtered: float | None, bound: float, runs: int)
 
     The errors of a run hang together, so that its root mean square is one draw of three numbers:
     of few runs it may fall below the bound by chance, as far as 97.5 of 100 times it does not.
+
+    Parameters
+    ----------
+    raw : float or None
+        Root mean square error of the poses.
+    filtered : float or None
+        That of the filter, in the same unit.
+    bound : float
+        What no filter beats on average, in the same unit.
+    runs : int
+        That the errors are of.
     """
     if raw is None or filtered is None:
         return NONE

@@ -6,7 +6,6 @@ has no error and is counted beside, never dropped in silence.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest, chi2
 
+from bench.scoring.judgement import without_numbers
 from bench.suites.pesce2019.acquisition_trial import WRONG_DEG, WRONG_M
 from bench.suites.pesce2019.tracking_run import MODES
 from bench.suites.units import Outcome
@@ -167,7 +167,12 @@ def stacked(outcomes: Sequence[Outcome], name: str) -> Floats:
 
 
 def root_mean_square(errors: AnyArray) -> float | None:
-    """Return the root mean square of what is not NaN; None of nothing."""
+    """Return the root mean square of what is not NaN; None of nothing.
+
+    Parameters
+    ----------
+    errors : (...,) array
+    """
     there = errors[np.isfinite(errors)]
     return float(np.sqrt(np.mean(there**2))) if there.size else None
 
@@ -223,11 +228,6 @@ def bound_summary(outcome: Outcome, window: slice) -> BoundSummary:
             for name, values in outcome.values.items()
         }
     )
-
-
-def without_numbers(reason: str) -> str:
-    """Return a reason with its numbers left out, so that like ones count together."""
-    return re.sub(r"\d+(\.\d+)?", "…", reason)
 
 
 def consistency(squares: Floats, dof: int) -> Consistency:

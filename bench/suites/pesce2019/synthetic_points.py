@@ -16,11 +16,12 @@ import numpy as np
 
 from models.arrays import Floats
 from models.camera import Camera
+from models.frame import Frame
 from models.motion.chaser_navigation import corrupted
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.pose import RigidTransform
-from models.uncooperative import PointFrame
 from models.wireframe.wireframe import Wireframe
+from pipelines.uncooperative.knowledge import points_frame
 
 NOISE_DRAW, OUTLIER_DRAW, ORDER_DRAW = 0x901E, 0x0071, 0x04DE
 
@@ -83,10 +84,21 @@ def point_frame(
     noise: PointNoise,
     time_s: float,
     key: tuple[int, int, int],
-) -> PointFrame:
-    """Return what the pipeline gets of one moment: corners, and the chaser's orbit as navigated."""
+) -> Frame:
+    """Return what the pipeline gets of one moment: corners, and the chaser's orbit as navigated.
+
+    Parameters
+    ----------
+    tumble : Tumble
+    target : Wireframe
+    camera : Camera
+    noise : PointNoise
+    time_s : float, s
+    key : (int, int, int)
+        (seed, run, frame).
+    """
     seed, run, frame = key
-    return PointFrame(
+    return points_frame(
         index=frame,
         time_s=time_s,
         points_px=points_of(

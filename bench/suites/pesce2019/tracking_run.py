@@ -8,14 +8,13 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from bench.estimating.navigators import navigator
-from bench.scoring.navigation_errors import NavigationError, navigation_error
+from bench.scoring.tumble.navigation_errors import NavigationError, navigation_error
 from bench.suites.pesce2019.acquisition_trial import knowledge_of
 from bench.suites.pesce2019.cases import Case, tumble_of
+from bench.suites.pesce2019.navigators import navigator
 from bench.suites.pesce2019.start_errors import StartErrors, drawn_start
 from bench.suites.pesce2019.synthetic_points import PointNoise, point_frame
 from bench.suites.units import Outcome
-from models.estimate import NoPose
 from models.motion.tumble import CAM_FROM_LVLH
 
 MODES = ("searching", "acquired", "tracked", "predicted")
@@ -77,8 +76,8 @@ def track(task: TrackingTask) -> Outcome:
         seconds.append(time.process_time() - began)
         rows.append(navigation_error(estimate, tumble.state(now_s), CAM_FROM_LVLH).row())
         modes.append(MODES.index(estimate.mode))
-        if isinstance(estimate.pose, NoPose):
-            reasons[estimate.pose.reason] += 1
+        if estimate.reason is not None:
+            reasons[estimate.reason] += 1
     table = np.array(rows, dtype=np.float32)
     told = sorted(reasons)
     values = {name: table[:, place] for place, name in enumerate(ERRORS)}

@@ -19,7 +19,7 @@ from bench.cycles.scene_export import (
     neutral_sun,
 )
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft

@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from models.motion.relative_state import ChaserState
 from models.pose import RigidTransform
-from models.uncooperative import ImageFrame, UncooperativeKnowledge
 from pipelines.acquisition.from_image import (
     ImageAcquirer,
     ImageAcquisition,
@@ -21,6 +20,7 @@ from pipelines.acquisition.view_sphere import (
     view_sphere,
 )
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
+from pipelines.uncooperative.knowledge import ImageFrame, UncooperativeKnowledge
 from pipelines.uncooperative.options import options_for
 from tests.support.drawn_targets import CAMERA, DETECTOR, drawn, target
 
@@ -105,21 +105,19 @@ def test_the_finder_says_a_pose_with_named_corners() -> None:
     knowledge = UncooperativeKnowledge(CAMERA, WIREFRAME, mount, sigma_px=1.0, detector=DETECTOR)
     finder = ImagePoseFinder(knowledge, options_for("best"))
     run = 2
-    frame = ImageFrame(0, 0.0, drawn(WIREFRAME, pose_of(run), seed=run), 1.0, still)
+    frame = ImageFrame(0, 0.0, drawn(WIREFRAME, pose_of(run), seed=run), still)
     covariance = np.diag([0.02**2] * 3 + [0.05**2] * 3)
     estimate = finder.track(frame, pose_of(run), covariance)
-    assert estimate
-    assert is_right(estimate.cam_from_target, pose_of(run))
+    assert estimate.pose is not None
+    assert is_right(estimate.pose.cam_from_target, pose_of(run))
     assert finder.matched_share(frame, estimate) > 0.8
-    named = [k for k in estimate.detections.marker if k >= 0]
+    named = [k for k in estimate.detected.marker if k >= 0]
     assert len(named) == len(set(named)) >= 6
     truth_px = CAMERA.project(pose_of(run) @ WIREFRAME.points_in_target)
-    for point, marker in zip(
-        estimate.detections.points_px, estimate.detections.marker, strict=True
-    ):
+    for point, marker in zip(estimate.detected.points_px, estimate.detected.marker, strict=True):
         if marker >= 0:
             assert np.linalg.norm(point - truth_px[marker]) < 3.0
-    dark = ImageFrame(1, 1.0, np.full((256, 256), 100, np.uint16), 1.0, still)
+    dark = ImageFrame(1, 1.0, np.full((256, 256), 100, np.uint16), still)
     lost = finder.track(dark, pose_of(run), covariance)
     assert not lost
     assert lost.reason

@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from models.arrays import Floats, Image
 from models.camera import Camera
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from pipelines.detection.blobs import find_blobs
 from pipelines.detection.centroids import weighted_centroids
@@ -20,6 +20,7 @@ from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
 from pipelines.detection.disc_model import PARAMETERS, DiscParameters, disc_model
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
+from pipelines.detection.image_pair import image_pair
 from pipelines.detection.pixel_edge import edge_signal
 from tests.support.synthetic_pair import (
     CAMERA_2048,
@@ -76,9 +77,9 @@ def many_fits(
     errors, sigmas, misfits = [], [], []
     for run in range(runs):
         place, pose = scene_and_pose(radius_px, rng.uniform(-1.0, 1.0, 2), **scene)
-        frame = pair_of(place, pose).exposed(run)
+        pair = image_pair(pair_of(place, pose).exposed(run))
         fit, error = fitted(
-            place, pose, (frame.image_800, frame.image_850), rng.uniform(-0.3, 0.3, 2)
+            place, pose, (pair.image_800, pair.image_850), rng.uniform(-0.3, 0.3, 2)
         )
         assert fit is not None
         errors.append(error)
@@ -199,8 +200,8 @@ def test_the_papers_centroid_is_pulled_by_fading() -> None:
     for seed in range(10):
         phase = np.random.default_rng(seed).uniform(-1.0, 1.0, 2)
         scene, pose = scene_and_pose(15.5, phase, gradient=FADING)
-        frame = expected_pair(scene, pose).exposed(seed)
-        difference = frame.image_850.astype(np.float64) - frame.image_800
+        pair = image_pair(expected_pair(scene, pose).exposed(seed))
+        difference = pair.image_850.astype(np.float64) - pair.image_800
         blobs = find_blobs(difference > 0.2 * difference.max())
         blobs = blobs.kept(blobs.area_px > 100)
         truth = disc_outlines(SMALL, pose, ONE).area_centres_px[0]
@@ -216,8 +217,8 @@ def test_saturated_pixels_are_left_out() -> None:
 
 def test_a_glint_at_the_rim_is_left_out() -> None:
     scene, pose = scene_and_pose(8.0, np.zeros(2))
-    frame = expected_pair(scene, pose).exposed(0)
-    images = frame.image_800.copy(), frame.image_850.copy()
+    pair = image_pair(expected_pair(scene, pose).exposed(0))
+    images = pair.image_800.copy(), pair.image_850.copy()
     for image in images:
         image[36:39, 47:50] = 3946
     fit, error = fitted(scene, pose, images, np.zeros(2))
@@ -232,8 +233,8 @@ def test_a_cut_disc_shows(radius_px: float, share: float) -> None:
     for seed in range(5):
         phase = np.random.default_rng(seed).uniform(-0.5, 0.5, 2)
         scene, pose = scene_and_pose(radius_px, phase, cut={0: share})
-        frame = expected_pair(scene, pose).exposed(seed)
-        fit, error = fitted(scene, pose, (frame.image_800, frame.image_850), np.zeros(2))
+        pair = image_pair(expected_pair(scene, pose).exposed(seed))
+        fit, error = fitted(scene, pose, (pair.image_800, pair.image_850), np.zeros(2))
         if fit is not None and fit.shape_misfit < 0.12:
             covered = error @ np.linalg.solve(fit.covariance_px2, error) < chi2.ppf(0.9999, 2)
             assert covered or np.abs(error).max() < UNSEEN_CUT_PX
@@ -244,8 +245,8 @@ def test_a_cut_disc_shows(radius_px: float, share: float) -> None:
 def test_nothing_there_gives_nothing_to_believe() -> None:
     scene, pose = scene_and_pose(4.16, np.zeros(2), level=0.0)
     for seed in range(20):
-        frame = expected_pair(scene, pose).exposed(seed)
-        fit, _ = fitted(scene, pose, (frame.image_800, frame.image_850), np.zeros(2))
+        pair = image_pair(expected_pair(scene, pose).exposed(seed))
+        fit, _ = fitted(scene, pose, (pair.image_800, pair.image_850), np.zeros(2))
         assert fit is None or fit.parameters.height_dn < 8.0 * fit.height_sigma_dn
 
 

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from models.arrays import Floats
 from models.errors import ScenarioError
-from models.estimate import Detections, PoseEstimate
+from models.estimate import Estimate, PoseEstimate
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S, corrupted
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import ChaserState, RelativeState
@@ -30,7 +30,6 @@ HISPASAT = np.array([[6396.0, 0.0, -46.0], [0.0, 3703.0, 0.0], [-46.0, 0.0, 5918
 LEO = KeplerOrbit(7.1431e6, 1.4e-4, np.deg2rad(98.2), 1.38, 1.5, 0.0)
 HEO = KeplerOrbit(6.69316e7, 0.808, np.deg2rad(69.9), 6.15, 1.68, np.deg2rad(30.0))
 GEO = KeplerOrbit(4.21641e7, 1.1e-4, np.deg2rad(0.005), 4.8, 0.73, 0.0)
-NOTHING = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())
 FRAMES = 200
 
 
@@ -72,10 +71,21 @@ NOISE = pose_noise()
 ROOT = np.linalg.cholesky(NOISE)
 
 
-def measured(state: RelativeState, run: int, frame: int, scale: float = 1.0) -> PoseEstimate:
+def measured(state: RelativeState, run: int, frame: int, scale: float = 1.0) -> Estimate:
     draw = scale * ROOT @ np.random.default_rng([3, run, frame]).standard_normal(6)
     pose = state.cam_from_target(CAM_FROM_LVLH).perturbed(draw[:3], draw[3:])
-    return PoseEstimate(frame, state.time_s, pose, NOISE, NOTHING, 2.0)
+    return Estimate(frame, state.time_s, PoseEstimate(pose, NOISE, 2.0))
+
+
+def pose_in(estimate: Estimate) -> RigidTransform:
+    assert estimate.pose is not None
+    return estimate.pose.cam_from_target
+
+
+def moved(estimate: Estimate, pose: RigidTransform) -> Estimate:
+    """Return an estimate that says another pose as sure as its own."""
+    assert estimate.pose is not None
+    return replace(estimate, pose=replace(estimate.pose, cam_from_target=pose))
 
 
 def navigation(options: NavigationOptions, inertia: Floats | None = None) -> RelativeNavigation:
@@ -130,8 +140,8 @@ def follow(
         )
         rotation.append(np.concatenate([turn, rate]))
         right = state.cam_from_target(CAM_FROM_LVLH)
-        raw_m.append(pose.cam_from_target.translation - right.translation)
-        raw_rad.append(turn_between(pose.cam_from_target.rotation, right.rotation))
+        raw_m.append(pose_in(pose).translation - right.translation)
+        raw_rad.append(turn_between(pose_in(pose).rotation, right.rotation))
     return Followed(said, *map(np.array, (translation, rotation, raw_m, raw_rad)))
 
 
@@ -203,8 +213,8 @@ def test_a_wrong_pose_is_refused_and_changes_nothing() -> None:
         predicted = filters.predict(state.time_s, chaser)
         pose = measured(state, 0, k)
         if k in (15, 16):
-            wrong = pose.cam_from_target.perturbed([0.0, 0.0, np.pi / 2.2], [0.0, 0.0, 0.1])
-            now = filters.update(replace(pose, cam_from_target=wrong))
+            wrong = pose_in(pose).perturbed([0.0, 0.0, np.pi / 2.2], [0.0, 0.0, 0.1])
+            now = filters.update(moved(pose, wrong))
             assert not now.used_pose
             assert "innovation squared" in now.reason
             assert now.refused_in_row == k - 14
@@ -226,9 +236,9 @@ def test_the_paper_takes_every_pose_but_one_turned_round() -> None:
     state, chaser = truth(1)[1]
     filters.predict(1.0, chaser)
     pose = measured(state, 0, 1)
-    turned = replace(pose, cam_from_target=pose.cam_from_target.perturbed([0, 0, 2.0], np.zeros(3)))
+    turned = moved(pose, pose_in(pose).perturbed([0, 0, 2.0], np.zeros(3)))
     assert "right angle" in filters.update(turned).reason
-    off = replace(pose, cam_from_target=pose.cam_from_target.perturbed([0, 0, 0.5], [1.0, 0, 0]))
+    off = moved(pose, pose_in(pose).perturbed([0, 0, 0.5], [1.0, 0, 0]))
     assert filters.update(off).used_pose
 
 
@@ -260,7 +270,7 @@ def test_a_pose_becomes_a_state_whatever_the_camera_mount() -> None:
         Rotation.from_rotvec([0.2, 1.0, -0.5]).as_matrix(), np.array([0.5, -1.0, 2.0])
     )
     state, chaser = truth(3)[7]
-    pose = PoseEstimate(7, 7.0, state.cam_from_target(mount), NOISE, NOTHING, 1.0)
+    pose = Estimate(7, 7.0, PoseEstimate(state.cam_from_target(mount), NOISE, 1.0))
     begun = RelativeNavigation(BEST, mount).start_from_pose(pose, chaser)
     np.testing.assert_allclose(begun.state.rho_in_lvlh, state.rho_in_lvlh, atol=1e-12)
     np.testing.assert_allclose(begun.state.R_lvlh_from_target, state.R_lvlh_from_target, atol=1e-14)
@@ -278,7 +288,7 @@ def test_its_turn_covariance_is_that_of_poses_drawn() -> None:
         [
             turn_between(
                 state.R_lvlh_from_target,
-                (CAM_FROM_LVLH.inverse() @ measured(state, run, 100).cam_from_target).rotation,
+                (CAM_FROM_LVLH.inverse() @ pose_in(measured(state, run, 100))).rotation,
             )
             for run in range(400)
         ]

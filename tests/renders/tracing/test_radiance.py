@@ -11,8 +11,8 @@ import pytest
 
 from models.arrays import Floats, Mask, Radiance
 from models.camera import Camera
-from models.frame import MarkerPattern
 from models.lights.led_beam import LAMPS_850
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.tracing.light_groups import NIR850, LampGroup, LightGroup, SunGroup

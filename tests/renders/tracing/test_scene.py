@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from models.arrays import Floats
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, rotation_from_euler_321
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics

@@ -10,8 +10,8 @@ import trimesh
 
 from models.arrays import Floats
 from models.camera import Camera
-from models.frame import MarkerPattern
 from models.lights.led_beam import LAMPS_850, LedRing
+from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics

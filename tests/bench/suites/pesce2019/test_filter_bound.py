@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bench.scoring.cramer_rao import pose_bound
+from bench.scoring.pairs.cramer_rao import pose_bound
 from bench.suites.pesce2019.cases import case, tumble_of
 from bench.suites.pesce2019.filter_bound import (
     BoundTask,

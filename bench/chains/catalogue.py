@@ -1,0 +1,69 @@
+"""Every chain there is: ours, those that other packages bring, and those registered by hand.
+
+A package brings one by an entry point of the group ``rvbench.chains`` that names a ``Chain``.
+"""
+
+from __future__ import annotations
+
+import difflib
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+
+from bench.chains.chain import Chain
+from models.errors import DatasetError
+
+GROUP = "rvbench.chains"
+OURS = {
+    "retroreflector_pairs": "bench.chains.retroreflector_pairs",
+    "tumble_images": "bench.chains.tumble_images",
+    "posed_images": "bench.chains.posed_images",
+}
+_REGISTERED: dict[str, Chain] = {}
+
+
+def register(chain: Chain) -> Chain:
+    """Make a chain known in this process, and return it."""
+    _REGISTERED[chain.name] = chain
+    return chain
+
+
+def chain_names() -> list[str]:
+    """Return the names of all chains, ours first."""
+    foreign = {point.name for point in entry_points(group=GROUP)}
+    return [*OURS, *sorted((foreign | set(_REGISTERED)) - set(OURS))]
+
+
+def chain_named(name: str) -> Chain:
+    """Return a chain.
+
+    Raises
+    ------
+    DatasetError
+        If there is none of that name.
+    """
+    if name in _REGISTERED:
+        return _REGISTERED[name]
+    if name in OURS:
+        found: Chain = import_module(OURS[name]).CHAIN
+        return found
+    for point in entry_points(group=GROUP):
+        if point.name == name:
+            return register(_loaded(name, point))
+    near = difflib.get_close_matches(name, chain_names(), n=1)
+    hint = f"; perhaps it means {near[0]}" if near else ""
+    raise DatasetError(
+        f"expected a chain among {', '.join(chain_names())}, got {name!r}{hint}; "
+        "install the package that brings it"
+    )
+
+
+def _loaded(name: str, point: EntryPoint) -> Chain:
+    try:
+        chain = point.load()
+    except Exception as error:  # anybody's code, which may fail in any way
+        raise DatasetError(
+            f"chain {name}: expected its package to load, got {type(error).__name__}: {error}"
+        ) from error
+    if not isinstance(chain, Chain):
+        raise DatasetError(f"chain {name}: expected a bench.chains.chain.Chain, got {chain!r:.120}")
+    return chain

@@ -1,0 +1,1 @@
+"""Single images of a free target, judged."""

@@ -1,0 +1,92 @@
+"""``markers.toml``: a target's markers as surveyed, or a user's own as installed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+from models.arrays import Floats
+from models.errors import DatasetError
+from models.markers import MarkerPattern
+from models.reading.bounds import LENGTH_M
+from models.reading.fields import Fields
+from models.reading.toml_file import read_toml
+
+MOST_MARKERS = 1000
+LEAST_MARKERS = 3  # six unknowns, two numbers a marker
+LARGEST_RADIUS_M = 10.0
+KINDS = ("retroreflector",)
+
+
+def markers_to_toml(markers: MarkerPattern) -> str:
+    """Return the text of ``markers.toml``."""
+    rows = zip(
+        markers.names,
+        markers.points_in_target.tolist(),
+        markers.normals_in_target.tolist(),
+        strict=True,
+    )
+    return tomli_w.dumps(
+        {
+            "radius_m": float(markers.radius_m),
+            "marker": [
+                {"name": name, "point_in_target_m": point, "normal_in_target": normal}
+                for name, point, normal in rows
+            ],
+        }
+    )
+
+
+def read_markers(path: Path) -> MarkerPattern:
+    """Read ``markers.toml``.
+
+    Raises
+    ------
+    DatasetError
+        If a key is missing, a value cannot be, or no pose could ever be found from the markers:
+        fewer than three, two in one place, or all on one line.
+    """
+    return markers_of(Fields(read_toml(path), path))
+
+
+def markers_of(fields: Fields) -> MarkerPattern:
+    """Return the markers of a table that was read, from wherever; see ``read_markers``."""
+    fields.only(("radius_m", "marker"))
+    rows = fields.tables("marker", MOST_MARKERS)
+    for row in rows:
+        row.only(("name", "point_in_target_m", "normal_in_target"), ("kind",))
+        if "kind" in row and row.text("kind") not in KINDS:
+            raise row.refusal("kind", f"as {KINDS[0]}, the one kind there is yet", row.text("kind"))
+    radius_m = fields.number("radius_m", 0.0, LARGEST_RADIUS_M, above=0.0)
+    points = np.array([row.vector("point_in_target_m", 3, *LENGTH_M) for row in rows])
+    normals = np.array([row.vector("normal_in_target", 3, -2.0, 2.0) for row in rows])
+    try:
+        markers = MarkerPattern(
+            names=tuple(row.text("name") for row in rows),
+            points_in_target=points.reshape(-1, 3),
+            normals_in_target=normals.reshape(-1, 3),
+            radius_m=radius_m,
+        )
+    except ValueError as error:
+        raise DatasetError(f"{fields.where}: {error}") from error
+    if useless := _useless(markers):
+        raise DatasetError(
+            f"{fields.where}: expected markers from which a pose can be found, at least "
+            f"{LEAST_MARKERS}, apart and not on one line; {useless}"
+        )
+    return markers
+
+
+def _useless(markers: MarkerPattern) -> str:
+    """Say why no pose follows from the markers; nothing if one may."""
+    if len(markers) < LEAST_MARKERS:
+        return f"got {len(markers)}"
+    points: Floats = markers.points_in_target
+    if markers.min_separation_m < markers.radius_m:
+        return f"two are {markers.min_separation_m:.3g} m apart, less than their radius"
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if spread[1] < markers.radius_m:
+        return f"all lie within {spread[1]:.3g} m of one line"
+    return ""

@@ -1,0 +1,156 @@
+"""The files of what is on board before the first frame: written, and read as one thing.
+
+::
+
+    camera.toml       the camera as calibrated
+    detector.toml     the detector as calibrated
+    optics.toml       the blur of the lens as measured, where it is told
+    markers.toml      the target's markers as surveyed
+    prior.toml        the first pose as drawn, with its sigmas
+    wireframe.json    the target as drawn
+    knowledge.toml    how the camera is mounted, and the sigmas expected before flight
+    sigmas.toml       1-sigma of what the files above may be wrong by, where it is told
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from models.camera import Camera
+from models.dataset.detector_file import detector_to_toml, read_detector
+from models.dataset.marker_file import markers_to_toml, read_markers
+from models.dataset.prior_file import prior_to_toml, read_prior
+from models.errors import DatasetError
+from models.onboard import FlightExpectations, OnboardKnowledge
+from models.reading.bounds import LENGTH_M, ORBIT_M, SIGMA_PX, SPEED_M_S
+from models.reading.fields import Fields
+from models.reading.toml_file import read_toml
+from models.wireframe.wireframe_file import read_wireframe, wireframe_to_json
+
+CAMERA, DETECTOR, OPTICS, MARKERS = "camera.toml", "detector.toml", "optics.toml", "markers.toml"
+PRIOR, WIREFRAME, EXPECTATIONS = "prior.toml", "wireframe.json", "knowledge.toml"
+SIGMAS = "sigmas.toml"
+LARGEST_INERTIA_KG_M2 = 1e9
+MOST_SIGMAS = 1000
+KNOWN = (CAMERA, DETECTOR, OPTICS, MARKERS, PRIOR, WIREFRAME, EXPECTATIONS, SIGMAS)
+
+
+def onboard_texts(onboard: OnboardKnowledge) -> dict[str, str]:
+    """Return the texts of the files that hold what is on board, by name."""
+    texts = {CAMERA: onboard.camera.to_toml(), DETECTOR: detector_to_toml(onboard.detector)}
+    if onboard.psf_sigma_px is not None:
+        texts[OPTICS] = tomli_w.dumps({"psf_sigma_px": float(onboard.psf_sigma_px)})
+    if onboard.markers is not None:
+        texts[MARKERS] = markers_to_toml(onboard.markers)
+    if onboard.prior is not None:
+        texts[PRIOR] = prior_to_toml(onboard.prior)
+    if onboard.wireframe is not None:
+        texts[WIREFRAME] = wireframe_to_json(onboard.wireframe)
+    if onboard.expectations is not None:
+        texts[EXPECTATIONS] = expectations_to_toml(onboard.expectations)
+    if onboard.sigmas:
+        texts[SIGMAS] = tomli_w.dumps({key: float(x) for key, x in onboard.sigmas.items()})
+    return texts
+
+
+def read_onboard(
+    folder: Path, names: tuple[str, ...], run_folder: Path | None = None
+) -> OnboardKnowledge:
+    """Read what is on board.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset.
+    names : tuple of str
+        Of the files; see ``DatasetInfo.onboard``.
+    run_folder : Path, optional
+        Of a later run: files that it has of its own stand in for the dataset's.
+
+    Raises
+    ------
+    DatasetError, ScenarioError
+        If a file is missing or cannot be.
+    """
+
+    def path(name: str) -> Path | None:
+        if name not in names:
+            return None
+        own = None if run_folder is None else run_folder / name
+        return own if own is not None and own.exists() else folder / name
+
+    camera, detector = path(CAMERA), path(DETECTOR)
+    if camera is None or detector is None:
+        raise DatasetError(
+            f"{folder}/dataset.json: expected {CAMERA} and {DETECTOR} among the on-board files, "
+            f"got {', '.join(names) or 'none'}"
+        )
+    optics, sigmas, markers, prior = path(OPTICS), path(SIGMAS), path(MARKERS), path(PRIOR)
+    wireframe, expectations = path(WIREFRAME), path(EXPECTATIONS)
+    return OnboardKnowledge(
+        camera=Camera.from_toml(camera),
+        detector=read_detector(detector),
+        markers=None if markers is None else read_markers(markers),
+        prior=None if prior is None else read_prior(prior),
+        wireframe=None if wireframe is None else read_wireframe(wireframe),
+        expectations=None if expectations is None else read_expectations(expectations),
+        psf_sigma_px=None if optics is None else _psf_sigma_px(optics),
+        sigmas={} if sigmas is None else _sigmas(sigmas),
+    )
+
+
+def expectations_to_toml(expected: FlightExpectations) -> str:
+    """Return the text of ``knowledge.toml``."""
+    table: dict[str, Any] = {
+        "R_cam_from_lvlh": expected.cam_from_lvlh.rotation.tolist(),
+        "t_cam_from_lvlh_m": expected.cam_from_lvlh.translation.tolist(),
+        "sigma_px": float(expected.sigma_px),
+        "chaser_sigma_m": float(expected.chaser_sigma_m),
+        "chaser_sigma_m_s": float(expected.chaser_sigma_m_s),
+    }
+    if expected.range_m is not None:
+        table["range_m"] = [float(edge) for edge in expected.range_m]
+    if expected.inertia_kg_m2 is not None:
+        table["inertia_kg_m2"] = expected.inertia_kg_m2.tolist()
+    return tomli_w.dumps(table)
+
+
+def read_expectations(path: Path) -> FlightExpectations:
+    """Read ``knowledge.toml``.
+
+    Raises
+    ------
+    DatasetError
+        If a key is missing or unknown, or a value cannot be.
+    """
+    fields = Fields(read_toml(path), path)
+    sigmas = ("sigma_px", "chaser_sigma_m", "chaser_sigma_m_s")
+    fields.only(("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas), ("range_m", "inertia_kg_m2"))
+    span = fields.vector("range_m", 2, 0.0, ORBIT_M[1]) if "range_m" in fields else None
+    if span is not None and not 0.0 < span[0] <= span[1]:
+        raise fields.refusal("range_m", "as nearest and farthest, m", span.tolist())
+    inertia = None
+    if "inertia_kg_m2" in fields:
+        inertia = fields.covariance("inertia_kg_m2", 3, LARGEST_INERTIA_KG_M2)
+    return FlightExpectations(
+        cam_from_lvlh=fields.pose("R_cam_from_lvlh", "t_cam_from_lvlh_m", *LENGTH_M),
+        sigma_px=fields.number("sigma_px", *SIGMA_PX, above=0.0),
+        chaser_sigma_m=fields.number("chaser_sigma_m", 0.0, ORBIT_M[1]),
+        chaser_sigma_m_s=fields.number("chaser_sigma_m_s", 0.0, SPEED_M_S[1]),
+        range_m=None if span is None else (float(span[0]), float(span[1])),
+        inertia_kg_m2=inertia,
+    )
+
+
+def _sigmas(path: Path) -> dict[str, float]:
+    fields = Fields(read_toml(path), path)
+    return {key: fields.number(key, 0.0, ORBIT_M[1]) for key in fields.names(MOST_SIGMAS)}
+
+
+def _psf_sigma_px(path: Path) -> float:
+    fields = Fields(read_toml(path), path)
+    fields.only(("psf_sigma_px",))
+    return fields.number("psf_sigma_px", *SIGMA_PX)

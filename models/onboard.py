@@ -1,0 +1,113 @@
+"""What is loaded on board before the first frame: as calibrated, as surveyed, as drawn.
+
+Never as simulated: every part may differ from what is true. A pipeline takes the parts that it
+needs and says which it lacks; the files are those of a dataset's public half.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from models.arrays import Floats
+from models.camera import Camera
+from models.errors import DatasetError
+from models.markers import MarkerPattern
+from models.pose import RigidTransform
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
+
+Part = TypeVar("Part")
+
+
+@dataclass(frozen=True, eq=False)
+class PosePrior:
+    """The first pose, as drawn.
+
+    Attributes
+    ----------
+    cam_from_target : RigidTransform
+        At the first frame.
+    sigma_m : (3,) array, m
+    sigma_deg : (3,) array, deg
+        1-sigma in translation and in (alpha, beta, gamma).
+    """
+
+    cam_from_target: RigidTransform
+    sigma_m: Floats
+    sigma_deg: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class FlightExpectations:
+    """How the camera is mounted, and what was expected before flight of a free target.
+
+    Attributes
+    ----------
+    cam_from_lvlh : RigidTransform
+        The mount: the chaser's body frame is its local frame.
+    sigma_px : float, px
+        1-sigma of a corner, per axis.
+    chaser_sigma_m, chaser_sigma_m_s : float, m and m/s
+        1-sigma per axis of the chaser's absolute navigation.
+    range_m : (float, float) or None, m
+        A coarse range, nearest and farthest.
+    inertia_kg_m2 : (3, 3) array or None
+        Of the target about its centre of mass, target axes; any multiple serves.
+    """
+
+    cam_from_lvlh: RigidTransform
+    sigma_px: float
+    chaser_sigma_m: float = 0.0
+    chaser_sigma_m_s: float = 0.0
+    range_m: tuple[float, float] | None = None
+    inertia_kg_m2: Floats | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class OnboardKnowledge:
+    """All that is on board; what is None is not.
+
+    Attributes
+    ----------
+    camera : Camera
+    detector : Detector
+    markers : MarkerPattern or None
+    prior : PosePrior or None
+    wireframe : Wireframe or None
+    expectations : FlightExpectations or None
+    psf_sigma_px : float or None, px
+        Blur of the lens as measured before flight.
+    sigmas : dict of str to float
+        1-sigma of what the above may be wrong by, by ``file.key``: ``camera.fx``.
+    """
+
+    camera: Camera
+    detector: Detector
+    markers: MarkerPattern | None = None
+    prior: PosePrior | None = None
+    wireframe: Wireframe | None = None
+    expectations: FlightExpectations | None = None
+    psf_sigma_px: float | None = None
+    sigmas: dict[str, float] = field(default_factory=dict)
+
+
+def needed(part: Part | None, file: str, pipeline: str) -> Part:
+    """Return a part of what is on board.
+
+    Parameters
+    ----------
+    part : object or None
+    file : str
+        Where a dataset has it.
+    pipeline : str
+        Who needs it.
+
+    Raises
+    ------
+    DatasetError
+        If it is not on board.
+    """
+    if part is None:
+        raise DatasetError(f"expected {file} for the pipeline {pipeline}, got a dataset without it")
+    return part

@@ -1,0 +1,31 @@
+"""The chaser-fixed pipeline, as the bench knows it."""
+
+from __future__ import annotations
+
+from models.frame import IMAGE_800, IMAGE_850
+from models.onboard import OnboardKnowledge
+from pipelines.chaser_fixed.knowledge import NAME, FlightKnowledge
+from pipelines.chaser_fixed.options import VARIANTS, options_for
+from pipelines.chaser_fixed.pipeline import ChaserFixed
+from pipelines.pipeline import RegisteredPipeline
+
+
+def make(onboard: OnboardKnowledge, variant: str) -> ChaserFixed:
+    """Return the pipeline of one variant; see ``pipelines.chaser_fixed.options``.
+
+    Raises
+    ------
+    DatasetError
+        If the markers or the prior are not on board.
+    """
+    return ChaserFixed(FlightKnowledge.of(onboard), options_for(variant))
+
+
+PIPELINE = RegisteredPipeline(
+    name=NAME,
+    make=make,
+    streams=(IMAGE_800, IMAGE_850),
+    variants=VARIANTS,
+    settings=lambda variant: repr(options_for(variant)),
+    label=str,
+)

@@ -1,0 +1,172 @@
+"""What the pipeline for an uncooperative target must know, and the two kinds of frame it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from models.arrays import Floats, Image
+from models.camera import Camera
+from models.errors import DatasetError
+from models.frame import CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
+from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
+from models.onboard import OnboardKnowledge, needed
+from models.pose import RigidTransform
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
+
+NAME = "uncooperative"
+
+
+@dataclass(frozen=True, eq=False)
+class PointFrame:
+    """Corners found in one image by somebody else, in no order and without names.
+
+    Attributes
+    ----------
+    index : int
+    time_s : float, s
+    points_px : (n, 2) array, px
+        Pixel centres are integers.
+    chaser : ChaserState
+        As the chaser's absolute navigation has it, errors and all.
+    """
+
+    index: int
+    time_s: float
+    points_px: Floats
+    chaser: ChaserState
+
+
+@dataclass(frozen=True, eq=False)
+class ImageFrame:
+    """One image.
+
+    Attributes
+    ----------
+    index : int
+    time_s : float, s
+        Middle of the exposure, to which an estimate is stamped.
+    image : (height, width) uint16 array, DN
+    chaser : ChaserState
+        As the chaser's absolute navigation has it, errors and all.
+    """
+
+    index: int
+    time_s: float
+    image: Image
+    chaser: ChaserState
+
+
+Seen: TypeAlias = PointFrame | ImageFrame
+
+
+def seen(frame: Frame) -> Seen:
+    """Return what a frame shows: points if it has them, else its image.
+
+    Raises
+    ------
+    DatasetError
+        If it has neither, or the chaser's orbit does not stand in it.
+    """
+    orbit = frame.table(CHASER_ORBIT)
+    if not len(orbit.time_s):
+        raise DatasetError(f"frame {frame.index}: expected a row of {CHASER_ORBIT}, got none")
+    last = np.stack([orbit.column(name) for name in CHASER_ORBIT_COLUMNS], axis=1)[-1]
+    chaser = ChaserState(float(orbit.time_s[-1]), last[:3], last[3:])
+    points = frame.readings.get(POINTS)
+    if isinstance(points, TableReading):
+        pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
+        return PointFrame(frame.index, frame.time_s, pixels, chaser)
+    return ImageFrame(frame.index, frame.time_s, frame.image(IMAGE).image, chaser)
+
+
+def image_frame(
+    index: int, time_s: float, image: Image, exposure_ms: float, chaser: ChaserState
+) -> Frame:
+    """Return a frame of one image and the chaser's orbit.
+
+    Parameters
+    ----------
+    index : int
+    time_s : float, s
+    image : (height, width) uint16 array, DN
+    exposure_ms : float, ms
+    chaser : ChaserState
+    """
+    reading = ImageReading(image, time_s, exposure_ms)
+    return Frame(index, time_s, {IMAGE: reading, CHASER_ORBIT: chaser.reading()})
+
+
+def points_frame(index: int, time_s: float, points_px: Floats, chaser: ChaserState) -> Frame:
+    """Return a frame of corners that somebody else found, and the chaser's orbit.
+
+    Parameters
+    ----------
+    index : int
+    time_s : float, s
+    points_px : (n, 2) array, px
+    chaser : ChaserState
+    """
+    table = TableReading(("u_px", "v_px"), np.full(len(points_px), time_s), points_px)
+    return Frame(index, time_s, {POINTS: table, CHASER_ORBIT: chaser.reading()})
+
+
+@dataclass(frozen=True, eq=False)
+class UncooperativeKnowledge:
+    """The parts of what is on board that this pipeline cannot do without.
+
+    Attributes
+    ----------
+    camera : Camera
+        As calibrated, not as simulated.
+    target : Wireframe
+        As drawn, not as built.
+    cam_from_lvlh : RigidTransform
+        How the camera is mounted: the chaser's body frame is its local frame.
+    sigma_px : float, px
+        1-sigma of a corner, per axis, as expected before flight.
+    chaser_sigma_m, chaser_sigma_m_s : float, m and m/s
+        1-sigma per axis of the chaser's absolute navigation.
+    range_m : (float, float), optional, m
+        A coarse range, nearest and farthest, if the user gives one.
+    detector : Detector, optional
+        As calibrated; where frames are images.
+    inertia_kg_m2 : (3, 3) array, optional
+        Of the target about its centre of mass, target axes, as known before flight; any multiple
+        serves. Without it the filters take the rate as constant.
+    """
+
+    camera: Camera
+    target: Wireframe
+    cam_from_lvlh: RigidTransform
+    sigma_px: float
+    chaser_sigma_m: float = 0.0
+    chaser_sigma_m_s: float = 0.0
+    range_m: tuple[float, float] | None = None
+    detector: Detector | None = None
+    inertia_kg_m2: Floats | None = None
+
+    @classmethod
+    def of(cls, onboard: OnboardKnowledge) -> UncooperativeKnowledge:
+        """Take the parts that are needed.
+
+        Raises
+        ------
+        DatasetError
+            If the wireframe or the expectations are not on board.
+        """
+        expected = needed(onboard.expectations, "knowledge.toml", NAME)
+        return cls(
+            camera=onboard.camera,
+            target=needed(onboard.wireframe, "wireframe.json", NAME),
+            cam_from_lvlh=expected.cam_from_lvlh,
+            sigma_px=expected.sigma_px,
+            chaser_sigma_m=expected.chaser_sigma_m,
+            chaser_sigma_m_s=expected.chaser_sigma_m_s,
+            range_m=expected.range_m,
+            detector=onboard.detector,
+            inertia_kg_m2=expected.inertia_kg_m2,
+        )
