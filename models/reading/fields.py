@@ -18,7 +18,7 @@ from models.arrays import Floats
 from models.errors import DatasetError
 from models.pose import RigidTransform
 from models.reading.bounds import LENGTH_M, MOST_NAME
-from models.reading.shown import shown
+from models.reading.shown import is_plain, shown
 from models.reading.uncertainty import exact_covariance, exact_rotation
 
 MOST_ITEMS = 10_000_000  # of a list, where its reader names no other
@@ -261,8 +261,7 @@ class Fields:
         if len(came) > most_characters:
             expected = f"of at most {most_characters} characters"
             raise self.refusal(key, expected, f"{len(came)}")
-        flat = came.replace("\n", "").replace("\t", "") if lines else came
-        if not flat.isprintable():
+        if not is_plain(came, lines=lines):
             raise self.refusal(key, "to be printable text", shown(came))
         return came
 

@@ -5,6 +5,7 @@ anew, for the difference to be read in review.
 """
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -238,6 +239,21 @@ BAD_INPUT: dict[str, tuple[Spoil, str]] = {
     "a negative rate": (nothing, "run maxar-demo --rate-hz -1 --out OUT"),
     "a width of nothing": (nothing, "run maxar-demo --width 0 --out OUT"),
     "a span before the start": (nothing, "render maxar-demo --span-s -5 20 --out OUT"),
+    "more threads than any machine": (nothing, "run maxar-demo --threads 100000 --out OUT"),
+    "a target out of view": (
+        nothing, "render maxar-approach --width 64 --spp 1 --span-s 600 601 --rate-hz 1 --out OUT"),
+    "a gate of no number": (nothing, "score DIR --fail-above-mm nan"),
+    "a gate that always passes": (nothing, "score DIR --fail-above-mm inf"),
+    "a seed below zero": (nothing, "suite pesce2019 --seed -1 --out OUT"),
+    "a suite of no runs": (nothing, "suite pesce2019 --runs 0 --out OUT"),
+    "a deep scenario": (scenario("a = " + 5000 * "[" + 5000 * "]"), MINE),
+    "a width as text": (scenario('[camera]\nwidth = "64"'), MINE),
+    "a flag for a number": (scenario("[render]\nsamples = true"), MINE),
+    "a motion of years": (scenario("[motion]\nend_s = 1e9"), MINE),
+    "a deep camera": (
+        lambda d: (d / "camera.toml").write_text("a = " + 5000 * "["), "estimate DIR"),
+    "a camera of a long focus": (
+        lambda d: replace(d / "camera.toml", "fx = ", "fx = 1e300 #"), "estimate DIR"),
     "no threads": (nothing, "run maxar-demo --threads 0 --out OUT"),
     "a Sun of two numbers": (nothing, "run maxar-demo --sun 0,1 --out OUT"),
     "too many seeds": (nothing, "run maxar-demo --seeds 1001 --out OUT"),
@@ -323,6 +339,15 @@ BAD_INPUT: dict[str, tuple[Spoil, str]] = {
             (d / "markers.toml").read_text().rsplit("[[marker]]", 1)[0]), "score DIR"),
     "a binary truth": (
         lambda d: (d / "truth/exposures.jsonl").write_bytes(b"\xff\xfe"), "score DIR"),
+    "a deep truth": (
+        lambda d: (d / "truth/exposures.jsonl").write_text(5000 * "[" + "\n"), "score DIR"),
+    "a truth twice": (
+        lambda d: (d / "truth/exposures.jsonl").write_text(
+            2 * (d / "truth/exposures.jsonl").read_text()), "score DIR"),
+    "a truth of NaN": (
+        lambda d: replace(d / "truth/exposures.jsonl", '"time_s": 1', '"time_s": NaN, "t": 1'),
+        "score DIR"),
+    "a deep score": (lambda d: (d / "score.json").write_text(5000 * "["), "report DIR"),
     "half a truth": (lambda d: cut(d / "truth/exposures.jsonl"), "score DIR"),
     "a marker that is none": (
         lambda d: replace(d / "estimates/best.jsonl", '"marker": [0', '"marker": [99'),
@@ -366,6 +391,28 @@ def test_bad_input_gets_one_clear_message(case, folder, tmp_path, capsys, monkey
     assert "Traceback" not in told
     assert "\n" not in message
     compare_with_snapshot(SNAPSHOTS, BAD_INPUT, case, lasting(message, tmp_path))
+
+
+def test_a_name_in_brackets_is_printed_as_it_is(folder, capsys):
+    name = "[bold red]x[/nosuch] $\\frac{$ :smile:"
+    info = json.loads((folder / "dataset.json").read_text())
+    (folder / "dataset.json").write_text(json.dumps(info | {"case": name}))
+    assert main(["score", str(folder)]) == 0
+    assert name in capsys.readouterr().out
+    assert main(["report", str(folder)]) == 0
+    assert main(["show", str(folder), "1"]) == 0
+
+
+def test_a_marker_called_like_a_formula_is_drawn_by_its_name(folder):
+    """An even number of dollars would be parsed as a formula, and this is none."""
+    markers = (folder / "markers.toml").read_text()
+    first = re.search(r'name = "([^"]*)"|names = \[\s*"([^"]*)"', markers)
+    name = first.group(1) or first.group(2)
+    (folder / "markers.toml").write_text(markers.replace(f'"{name}"', r"'$\frac{$'"))
+    assert main(["score", str(folder)]) == 0
+    assert main(["report", str(folder)]) == 0
+    assert main(["show", str(folder), "1"]) == 0
+    assert json.dumps(r"$\frac{$") in (folder / "score.json").read_text()
 
 
 def test_nothing_rendered_is_lost_when_estimating_fails(folder):

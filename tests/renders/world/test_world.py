@@ -59,6 +59,23 @@ def test_a_camera_inside_the_target_is_refused_with_the_time() -> None:
     assert place[2] < 0.1  # it is really at the ring plane or below, not merely near the craft
 
 
+def test_a_motion_that_never_shows_the_target_is_refused() -> None:
+    """Past the ring plane the camera looks away from it; one image that shows it is enough."""
+    with pytest.raises(ScenarioError, match="out of view in all 4, from 600 to 601 s"):
+        world(start_s=600.0, end_s=601.0, rate_hz=1.0).check_poses()
+    some = world(start_s=5500.0, end_s=6500.0, rate_hz=0.002)
+    assert [some.shows_target(exposure) for exposure in some.exposures] == [True] * 2 + [False] * 4
+    some.check_poses()
+
+
+def test_lamps_too_faint_for_the_schedule_are_refused() -> None:
+    faint = world_with(lamps={"intensity_w_sr": 1e-3})
+    with pytest.raises(
+        ScenarioError, match=r"below motion\.pair_gap_ms, 33 ms.* lamps.intensity_w_sr"
+    ):
+        faint.frame_entries(faint.prior(0))
+
+
 @pytest.mark.parametrize("case", case_names())
 def test_the_cases_stay_outside_the_target(case: str) -> None:
     world(case=case, rate_hz=0.05).check_poses()
