@@ -19,6 +19,16 @@ from models.wireframe.wireframe import Wireframe
 
 Part = TypeVar("Part")
 
+HOW_TO_GIVE = {
+    "prior.toml": "it tracks from a first pose: write t_cam_from_target_m, euler_321_deg, "
+    "sigma_t_m and sigma_euler_deg, three numbers each",
+    "markers.toml": "name a target that has markers, or a markers.toml",
+    "wireframe.json": "name a target that has a wireframe, or a wireframe.json",
+    "knowledge.toml": "write how the camera is mounted, R_cam_from_lvlh (3 x 3) and "
+    "t_cam_from_lvlh_m, and the 1-sigmas sigma_px, chaser_sigma_m and chaser_sigma_m_s",
+}
+"""What to write into a file that a pipeline lacks."""
+
 
 @dataclass(frozen=True, eq=False)
 class PosePrior:
@@ -109,5 +119,8 @@ def needed(part: Part | None, file: str, pipeline: str) -> Part:
         If it is not on board.
     """
     if part is None:
-        raise DatasetError(f"expected {file} for the pipeline {pipeline}, got a dataset without it")
+        told = HOW_TO_GIVE.get(file)
+        raise DatasetError(
+            f"expected {file} for the pipeline {pipeline}, got none" + (f"; {told}" if told else "")
+        )
     return part
