@@ -22,7 +22,6 @@ from models.errors import ScenarioError, cause
 from models.lights.sun import sun_direction
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
-from models.sky.sun_ephemeris import sun_in_icrs, utc_from_text
 from renders.scenario.camera_tables import (
     CameraTable,
     DetectorTable,
@@ -40,7 +39,6 @@ from renders.scenario.table import Table
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
 
 CASES = Path(__file__).resolve().parents[2] / "bench" / "cases"
-ALMANAC = "almanac"  # a Sun
 OPTIONS = {
     "motion.rate_hz": "--rate-hz",
     "motion.start_s": "--span-s (its start)",
@@ -64,8 +62,7 @@ class LampsTable(Table):
 class SunTable(Table):
     """Where the Sun stands: S1 to S7, or a vector x,y,z in the target frame.
 
-    With ``[tumble]`` a vector in the inertial frame of the orbit, or ``almanac``: where it stands
-    at ``tumble.orbit.epoch_utc``.
+    With ``[tumble]`` a vector in the inertial frame of the orbit.
     """
 
     default: str = Field("S2", description='S1 to S7, or a vector such as "0.2,-0.5,1"')
@@ -183,31 +180,6 @@ class Scenario(Table):
     def simulated_radiation(self) -> Radiation:
         """The particles that hit the chip."""
         return Radiation(**self.radiation.model_dump())
-
-    def sun_text(self, name: str, where: str = "") -> str:
-        """Return a Sun as S1 to S7 or x,y,z: that of the almanac as it stands at the epoch.
-
-        Parameters
-        ----------
-        name : str
-        where : str, optional
-            What was read; else the scenario's name.
-
-        Raises
-        ------
-        ScenarioError
-            If it is that of the almanac, and there is no epoch or none that can be.
-        """
-        if name.strip().lower() != ALMANAC:
-            return name
-        epoch_utc = "" if self.tumble is None else self.tumble.orbit.epoch_utc
-        try:
-            return ",".join(map(repr, sun_in_icrs(utc_from_text(epoch_utc)).tolist()))
-        except ScenarioError as error:
-            raise ScenarioError(
-                f"{where or self.name}: expected tumble.orbit.epoch_utc as an instant, which the "
-                f"Sun of the {ALMANAC} needs: {error}"
-            ) from error
 
     @property
     def needs_depth(self) -> bool:
@@ -344,7 +316,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_earth(scenario.earth, where)
     check_stars(scenario.stars, where)
     for name in (scenario.sun.default, *scenario.sun.shared):
-        sun_direction(scenario.sun_text(name, where))
+        sun_direction(name)
     camera_preset(scenario.camera.preset)
     return scenario
 

@@ -39,7 +39,6 @@ class OrbitTable(Table):
     raan_deg: float = 0.0
     argument_of_perigee_deg: float = 0.0
     true_anomaly_deg: float = Field(0.0, description="at time zero")
-    epoch_utc: str = Field("", description="time zero, such as 2026-03-20T14:46:00; if it matters")
 
 
 class OnboardTable(Table):
@@ -89,9 +88,7 @@ def check_tumble(scenario: Scenario, where: str) -> None:
                 f"in the inertial frame of the orbit, got {name!r}, which stands in target axes; "
                 'give one such as "0.3,-0.5,1"'
             )
-        sun_direction(scenario.sun_text(name, where))
-    if table.orbit.epoch_utc:
-        scenario.sun_text("almanac", where)  # refuses an instant that is none
+        sun_direction(name)
     _refuse_what_has_no_effect(scenario, where)
     if scenario.exposure.mode == "schedule" and not scenario.exposure.schedule_ms:
         raise ScenarioError(

@@ -125,9 +125,8 @@ def _bodies(scenario: Scenario, chaser: str | None = None) -> Bodies:
 
 
 def _sky(scenario: Scenario, turning: Turning) -> Sky:
-    shared = tuple(sun_group(scenario.sun_text(name)) for name in scenario.sun.shared)
-    sun = sun_group(scenario.sun_text(scenario.sun.default))
-    return Sky(turning, sun, shared, scenario.earth)
+    shared = tuple(sun_group(name) for name in scenario.sun.shared)
+    return Sky(turning, sun_group(scenario.sun.default), shared, scenario.earth)
 
 
 def _plan(scenario: Scenario, unless_typed: Planned, share: float) -> ExposurePlan:
@@ -142,7 +141,7 @@ def _plan(scenario: Scenario, unless_typed: Planned, share: float) -> ExposurePl
 def _free_motion(scenario: Scenario, table: TumbleTable) -> FreeMotion:
     return FreeMotion(
         Tumble(
-            KeplerOrbit.from_elements_deg(**table.orbit.model_dump(exclude={"epoch_utc"})),
+            KeplerOrbit.from_elements_deg(**table.orbit.model_dump()),
             np.array(table.rho0_m),
             np.array(table.rho_dot0_m_s),
             np.deg2rad(table.omega0_deg_s),

@@ -97,7 +97,7 @@ class Sunlit:
         for exposure in world.exposures:
             position = 1e-3 * self.motion.chaser_state(exposure.time_s).position_in_inertial
             for name in (table.default, *table.shared):
-                along = float(position @ sun_direction(world.scenario.sun_text(name)))
+                along = float(position @ sun_direction(name))
                 if along < 0.0 and position @ position - along**2 < EARTH_RADIUS_KM**2:
                     raise ScenarioError(
                         f"expected a Sun that the Earth does not hide, got {name}: at "
