@@ -26,9 +26,9 @@ from renders.store.budget import GB
 from renders.store.kept_light import GROUP_BYTES
 from renders.tracing.light_groups import LightGroup
 from renders.truth.exposure_truth import ExposureTruth
+from renders.world.build import world_of
 from renders.world.cameras import BANDS
 from renders.world.exposure import Exposure
-from renders.world.sky import sun_group
 
 MOST_SUNS = 48  # in one pass: beyond it, what Suns share of a pass is too little to be worth memory
 BYTES_PER_SAMPLE_SUM = 4
@@ -137,10 +137,10 @@ class PoseLight:
     @cached_property
     def groups_of_sun(self) -> list[list[GroupOfExposure]]:
         """What lights both exposures under each Sun, in the order of ``suns``."""
-        known, found = dict[str, GroupOfExposure](), []
+        scenario, known, found = self.studio.world.scenario, dict[str, GroupOfExposure](), []
         for sun in self.suns:
-            world = self.studio.world
-            world = replace(world, sky=replace(world.sky, sun=sun_group(sun.text)))
+            table = scenario.sun.model_copy(update={"default": sun.text})
+            world = world_of(scenario.model_copy(update={"sun": table}))
             own = []
             for exposure in self.studio.world.exposures:
                 for group in world.lit_by(exposure):
