@@ -33,7 +33,7 @@ PLANTED = {
     ),
     "pipelines/chaser_fixed/pipeline.py": (
         "from renders import truth",
-        "pipelines.chaser_fixed.pipeline -> renders.truth.exposure_truth",
+        "pipelines.chaser_fixed.pipeline -> renders.truth (",
     ),
     "pipelines/registry.py": (
         "import bench.scoring.score",
