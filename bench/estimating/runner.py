@@ -11,7 +11,7 @@ from pathlib import Path
 from bench.estimating.contenders import Contender
 from bench.estimating.guard import Guards
 from bench.estimating.runs import estimates_path, run_folder, runtimes_path
-from bench.estimating.time_limit import check_time_limit
+from bench.estimating.time_limit import checked_limit
 from bench.progress import frame_progress
 from models.atomic_file import sweep_scratch
 from models.dataset.estimates_file import write_estimates, write_runtimes
@@ -58,12 +58,11 @@ def estimate_run(
     ScenarioError
         If the limit is not above zero.
     """
-    check_time_limit(limit_s)
     said: dict[str, list[Estimate]] = {each.label: [] for each in taking_part}
     runtime_ms: dict[str, dict[int, float]] = {each.label: {} for each in taking_part}
     title = "estimate" if number == 0 else f"estimate, run {number}"
     with (
-        Guards(taking_part, onboard, limit_s) as guarded,
+        Guards(taking_part, onboard, checked_limit(limit_s)) as guarded,
         frame_progress(title, count) as advance,
     ):
         for frame in frames:

@@ -188,8 +188,9 @@ def judged_image(
         pose = said.pose.cam_from_target
         position_m, attitude_deg = error.raw_position_m, error.raw_attitude_deg
         squares = ((frame_nees(said.pose, was.cam_from_target), POSE_DOF),)
-    if pose is not None and (attitude_deg or 0.0) > truth.limits.wrong_attitude_deg:
-        confusion = confusion_of(pose, was.cam_from_target, knowledge.target)
+    if pose is not None and attitude_deg is not None:
+        if attitude_deg > truth.limits.wrong_attitude_deg:
+            confusion = confusion_of(pose, was.cam_from_target, knowledge.target)
     return JudgedImage(
         run=run,
         estimate=said,
