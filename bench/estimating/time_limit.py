@@ -7,8 +7,8 @@ from math import inf
 from models.errors import ScenarioError
 
 
-def check_time_limit(limit_s: float | None) -> None:
-    """Refuse a limit that no frame could keep.
+def checked_limit(limit_s: float | None) -> float | None:
+    """Return a limit, if a frame could keep it.
 
     Parameters
     ----------
@@ -24,3 +24,4 @@ def check_time_limit(limit_s: float | None) -> None:
             f"expected --time-limit-s above zero, got {limit_s:g}; leave it out for no limit of "
             "our own pipelines"
         )
+    return limit_s

@@ -52,7 +52,7 @@ def read_frame_entries(folder: Path) -> list[FrameEntry]:
     path = folder / FILE_NAME
     if not path.exists():
         raise DatasetError(
-            f"expected the frames of a dataset at {path}, found none; "
+            f"{path}: No such file, where the frames of a dataset were expected; "
             "run the render again, it goes on where it stopped"
         )
     entries = [

@@ -70,7 +70,7 @@ def read_table(
 def _rows(path: Path, columns: tuple[str, ...]) -> Iterable[CsvRow]:
     if not path.exists():
         raise DatasetError(
-            f"expected a sensor's table at {path}, as dataset.json tells, found none; "
+            f"{path}: No such file, where a sensor's table was expected, as dataset.json tells; "
             "render again: only what is missing is rendered"
         )
     return read_csv(path, ("index", "time_s", *columns))

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.patience import HANGS_S
+
 HOUSE = Path(__file__).resolve().parents[2]
 ROOMS = ("models", "renders", "pipelines", "bench")
 
@@ -72,7 +74,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=HANGS_S,
     )
 
 

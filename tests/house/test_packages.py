@@ -7,6 +7,8 @@ from pathlib import Path
 
 from setuptools import find_packages
 
+from tests.support.patience import HANGS_S
+
 HOUSE = Path(__file__).resolve().parents[2]
 ROOMS = ("models", "renders", "pipelines", "bench")
 PROJECT = tomllib.loads((HOUSE / "pyproject.toml").read_text())
@@ -73,7 +75,7 @@ def start_beside_a_stranger(tmp_path: Path, *options: str) -> subprocess.Complet
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=HANGS_S,
     )
 
 

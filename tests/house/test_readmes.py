@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from bench import cli
+from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[2]
 README_FILES = [HOUSE / "README.md", *sorted(HOUSE.glob("*/README.md"))]
@@ -81,7 +82,7 @@ def test_python_blocks_run(block, tmp_path):
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=HANGS_S,
     )
     assert result.returncode == 0, result.stderr
 
