@@ -16,9 +16,9 @@ from bench.sweep.plan import (
 from models.errors import ScenarioError
 from models.lights.sun import SUN_CASES_DEG
 from renders.scenario.scenario import RenderRequest, resolve
-from renders.world.world import World
+from renders.world.build import world_of
 
-WORLD = World(resolve(RenderRequest("maxar-approach", Path("unused"))))
+WORLD = world_of(resolve(RenderRequest("maxar-approach", Path("unused"))))
 MILLISECOND_M = 1.5e-5  # at 15 mm/s
 
 
