@@ -131,7 +131,7 @@ def test_pairs_of_other_kinds_and_cases(pairs, suffix, capsys):
     rewritten(folder, suffix)
     best = read_estimates(run(dataset, folder)[1])
     for estimate, truth in zip(best, dataset.truths, strict=True):
-        error = pose_error(estimate.cam_from_target, truth.cam_from_target)
+        error = pose_error(estimate.pose.cam_from_target, truth.cam_from_target)
         assert np.linalg.norm(error.position_m) < THREE_MILLIMETRES
     warned = "there are JPEGs among these images" in capsys.readouterr().err
     assert warned == suffix.lower().startswith(".jp")
