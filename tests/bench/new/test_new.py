@@ -1,8 +1,13 @@
 """Start files run as they are, show every key there is, and never replace anything."""
 
 import re
+import shutil
+import subprocess
+import sys
 import tomllib
+import zipfile
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from pydantic import BaseModel
@@ -10,6 +15,8 @@ from pydantic import BaseModel
 from bench.cli import main
 from bench.new.case_text import case_text
 from models.camera import Camera, camera_preset
+from models.dataset.estimates_file import read_estimates
+from pipelines.registry import pipeline_names
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
 
 UNCOMMENTED = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
@@ -30,40 +37,49 @@ def test_a_case_can_be_rendered_as_it_is(here, capsys):
 
 
 def test_what_a_case_leaves_in_comments_are_the_defaults(here):
-    """Taken out of its comments, all but [tumble] changes nothing."""
+    """Taken out of its comments, what every case has changes nothing."""
     (here / "mine.toml").write_text(case_text("mine"))
-    as_written = read_scenario(here / "mine.toml")
-    text = UNCOMMENTED.sub("", case_text("mine"))
-    pairs_only = text[: text.index("\n[tumble]")]
-    assert pairs_only.count("\n[") > 10
-    (here / "all.toml").write_text(pairs_only)
-    assert read_scenario(here / "all.toml") == as_written
+    every, need_not = case_text("mine").split("# What a case need not have")
+    text, count = UNCOMMENTED.subn("", every)
+    assert count > 60
+    (here / "all.toml").write_text(text)
+    assert read_scenario(here / "all.toml") == read_scenario(here / "mine.toml")
+    optional = tomllib.loads(UNCOMMENTED.sub("", need_not).partition("\n")[2])
+    assert "tumble" in optional
+    assert set(optional) <= set(Scenario.model_fields)
 
 
 def test_the_free_target_of_a_case_can_be_taken_out_of_its_comments(here):
-    text = UNCOMMENTED.sub("", case_text("mine")).replace("marker_samples", "#")
-    text = text.replace('"maxar1300"', '"xmm"').replace('default = "S2"', 'default = "1,0,0"')
-    (here / "free.toml").write_text(text.replace('mode = "schedule"', 'mode = "auto"'))
-    tumble = read_scenario(here / "free.toml").tumble
-    assert tumble is not None
-    assert tumble.rho0_m == (0.0, 30.0, 0.0)
+    every, need_not = case_text("mine").split("# What a case need not have")
+    (tumble,) = (part for part in need_not.split("\n\n") if "#[tumble]" in part)
+    text = re.sub("^marker_samples", "#", every, flags=re.MULTILINE)
+    text = text.replace('"maxar1300"', '"xmm"').replace('\ndefault = "S2"', '\ndefault = "1,0,0"')
+    text = text.replace('#mode = "schedule"', 'mode = "auto"')
+    (here / "free.toml").write_text(text + "\n" + UNCOMMENTED.sub("", tumble) + "\n")
+    scenario = resolve(RenderRequest(case="free.toml", out=here / "out"))
+    assert scenario.tumble is not None
+    assert scenario.tumble.rho0_m == (0.0, 30.0, 0.0)
 
 
-def keys(table: type[BaseModel]) -> set[str]:
-    found = set()
-    for name, field in table.model_fields.items():
-        kinds = [field.annotation, *getattr(field.annotation, "__args__", ())]
-        inner = [k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel)]
-        found |= keys(inner[0]) if inner else {name}
-    return found
+def keys(kind: object) -> set[str]:
+    """Return the keys of a table, and of those within it, by their names alone."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return {
+            key
+            for name, field in kind.model_fields.items()
+            for key in {name} | keys(field.annotation)
+        }
+    return {key for inner in get_args(kind) for key in keys(inner)}
 
 
 def test_every_key_of_a_scenario_is_there_with_its_range():
     text = case_text("mine")
-    missing = {key for key in keys(Scenario) if not re.search(rf"^#?{key} = ", text, re.MULTILINE)}
+    missing = {key for key in keys(Scenario) if not re.search(rf"\b{key}( = |\])", text)}
+    assert len(keys(Scenario)) > 100
     assert not missing
     assert re.search(r"^#max_depth = 4 .*from 1 up to 32$", text, re.MULTILINE)
     assert re.search(r'^#mode = "schedule" .*"auto" or "fixed"', text, re.MULTILINE)
+    assert max(len(line) for line in text.splitlines()) <= 100
 
 
 def test_a_camera_is_the_chasers(here):
@@ -80,7 +96,7 @@ def test_nothing_is_written_over(here, kind, capsys):
         else:
             (here / place).write_text("my own")
         assert main(["new", kind, place.removesuffix(".toml")]) == 2
-        assert f"expected no file at {place} yet, there is one" in capsys.readouterr().err
+        assert f"expected nothing at {place} yet, there is something" in capsys.readouterr().err
     assert (here / "mine.toml").read_text() == "my own"
     assert not (here / "absent").exists()
 
@@ -89,3 +105,83 @@ def test_nothing_is_written_over(here, kind, capsys):
 def test_a_name_that_is_none(here, name):
     assert main(["new", "case", "--", name] if name.startswith("-") else ["new", "case", name]) == 2
     assert list(here.iterdir()) == []
+
+
+# A pipeline in a package of its own
+
+
+@pytest.fixture
+def package(here, monkeypatch) -> Path:
+    """Return the folder of a new package, installed by hand: on the path, with its metadata."""
+    assert main(["new", "pipeline", "my-finder"]) == 0
+    folder = here / "my-finder"
+    project = tomllib.loads((folder / "pyproject.toml").read_text())
+    assert project["tool"]["setuptools"]["py-modules"] == ["my_finder"]
+    info = folder / "rvbench_my_finder-0.1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: rvbench-my-finder\nVersion: 0.1.0\n"
+    )
+    ((group, points),) = project["project"]["entry-points"].items()
+    rows = "".join(f"{name} = {place}\n" for name, place in points.items())
+    (info / "entry_points.txt").write_text(f"[{group}]\n{rows}")
+    monkeypatch.syspath_prepend(str(folder))
+    return folder
+
+
+def test_a_pipeline_is_found_and_says_why_it_finds_nothing(package, scored_dataset, here):
+    """Beside ours, on every frame; its own are lost frames with a reason, and no failure."""
+    data = here / "data"
+    shutil.copytree(scored_dataset.folder, data)
+    before = (data / "estimates" / "best.jsonl").read_bytes()
+    assert "my-finder" in pipeline_names()
+    assert main(["estimate", str(data)]) == 0
+    said = read_estimates(data / "estimates" / "my-finder.jsonl")
+    assert len(said) == len(scored_dataset.entries)
+    for estimate in said:
+        assert not estimate
+        assert re.fullmatch(
+            r"nothing is looked for yet; the largest difference is [1-9]\d+ DN", estimate.reason
+        )
+    assert (data / "estimates" / "best.jsonl").read_bytes() == before
+
+
+def test_a_pipeline_can_be_built(here, tmp_path):
+    """By the build backend that its project names, without a network."""
+    assert main(["new", "pipeline", "finder_2"]) == 0
+    built = subprocess.run(
+        [sys.executable, "-c", "from setuptools import build_meta as b; print(b.build_wheel('.'))"],
+        cwd=here / "finder_2",
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert built.returncode == 0, built.stderr
+    with zipfile.ZipFile(next((here / "finder_2").glob("*.whl"))) as wheel:
+        assert "finder_2.py" in wheel.namelist()
+        points = next(name for name in wheel.namelist() if name.endswith("entry_points.txt"))
+        assert b"finder_2 = finder_2:PIPELINE" in wheel.read(points)
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("Big", "of small letters"),
+        ("a.b", "of small letters"),
+        ("chaser_fixed", "there is a pipeline 'chaser_fixed'"),
+        ("json", "no Python module has"),
+        ("models", "no Python module has"),
+        ("class", "no Python module has"),
+    ],
+)
+def test_a_name_that_no_pipeline_can_have(here, name, why, capsys):
+    assert main(["new", "pipeline", name]) == 2
+    assert why in capsys.readouterr().err
+    assert list(here.iterdir()) == []
+
+
+def test_a_folder_of_the_users_own_is_no_package(here):
+    (here / "mine").mkdir()
+    assert main(["new", "pipeline", "mine"]) == 2
+    assert list((here / "mine").iterdir()) == []
