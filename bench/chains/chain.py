@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
 
 
 class FrameTruth(Protocol):
-    """What really was at the instant to which a frame's estimate is stamped."""
+    """What really was at the instant to which a frame's estimate is stamped; more is welcome."""
 
     @property
     def time_s(self) -> float:
@@ -31,8 +31,8 @@ class FrameTruth(Protocol):
         ...
 
     @property
-    def cam_from_target(self) -> RigidTransform:
-        """The true pose."""
+    def cam_from_target(self) -> RigidTransform | None:
+        """The true pose; None where the truth tells none."""
         ...
 
 
@@ -64,7 +64,7 @@ class Chain:
     title : str
         What its frames are, in words: ``image pairs``.
     pipelines : tuple of str
-        Those of the house that run on it; see ``pipelines.registry``. Other packages' run beside
+        Those that come first in its tables; see ``pipelines.registry``. Other packages' run beside
         them on the streams that they name.
     truths : callable
         ``truths(dataset)``: the truth of each frame by its number, for pictures; empty where the
@@ -82,9 +82,9 @@ class Chain:
     headline : callable
         ``headline(score)``: the table that compares the pipelines.
     picture : callable
-        ``picture(record, width_px)``: a frame with its marks, RGB.
+        ``picture(record, width_px)``: a frame with its marks, RGB; None where it has no picture.
     show : callable
-        ``show(record)``: a frame laid open, RGB.
+        ``show(record)``: a frame laid open, RGB; None where there is nothing to show.
     verdict : callable
         ``verdict(record)``: one line of how wrong an estimate is.
     legend : str
@@ -92,6 +92,8 @@ class Chain:
     trials : callable, optional
         ``trials(dataset, workers)``: more that is tried with the chain's pipelines beside the run
         itself; returns the files written.
+    brought : mapping of str to str
+        Pipelines that come with it, by name: where each stands, ``module:attribute``.
     """
 
     name: str
@@ -104,11 +106,12 @@ class Chain:
     frame_rows: Callable[[Sequence[Sequence[Any]], Any], list[dict[str, Any]]]
     report: Callable[[ReportInput], ReportParts]
     headline: Callable[[dict[str, Any]], Table]
-    picture: Callable[[FrameRecord, int], NDArray[uint8]]
-    show: Callable[[FrameRecord], NDArray[uint8]]
+    picture: Callable[[FrameRecord, int], NDArray[uint8] | None]
+    show: Callable[[FrameRecord], NDArray[uint8] | None]
     verdict: Callable[[FrameRecord], str]
     legend: str
     trials: Callable[[Dataset, int], list[Path]] | None = None
+    brought: Mapping[str, str] = field(default_factory=dict)
 
 
 def lazily(place: str) -> Callable[..., Any]:

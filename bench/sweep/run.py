@@ -13,7 +13,7 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.pictures.frame_record import PREFERRED
+from bench.estimating.runs import PREFERRED
 from bench.scoring.pairs.detections import visible_markers
 from bench.sweep.folder import (
     PoseTruth,

@@ -111,14 +111,17 @@ class Dataset:
     def check_images(self) -> None:
         """Refuse images that are not of the camera's size; only their headers are read.
 
+        Where no camera is on board, images may have any size.
+
         Raises
         ------
         DatasetError
             The message names the file.
         """
-        for stream in self.info.image_streams:
+        camera = self.onboard.camera
+        for stream in self.info.image_streams if camera is not None else ():
             for entry in self.entries:
-                check_image_size(stream.path(self.folder, entry.index), self.onboard.camera)
+                check_image_size(stream.path(self.folder, entry.index), camera)
 
     def fingerprint(self) -> str:
         """Return a hash of the public half but its images, as hexadecimal text."""
@@ -154,7 +157,7 @@ class Dataset:
     def _image(self, stream: Stream, entry: FrameEntry) -> ImageReading:
         path, camera = stream.path(self.folder, entry.index), self.onboard.camera
         image = read_image(path)
-        if image.shape != (camera.height, camera.width):
+        if camera is not None and image.shape != (camera.height, camera.width):
             check_image_size(path, camera)
         return ImageReading(image, entry.time_s + stream.offset_s, entry.exposure_ms)
 

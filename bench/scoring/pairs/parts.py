@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -39,8 +39,13 @@ def centroid_score(judged: Runs, truth: TrueDataset, label: str) -> CentroidScor
 
 
 def detection(judged: Runs, truth: TrueDataset, label: str) -> DetectionScore:
-    """Count what was found, missed and mistaken in run 0."""
-    return detection_score([(each.detections, each.frame.markers) for each in judged[0]])
+    """Count what was found, missed and mistaken in run 0.
+
+    Of a pipeline that never tells what it detected nothing can be said.
+    """
+    score = detection_score([(each.detections, each.frame.markers) for each in judged[0]])
+    silent = all(each.estimate.detections is None for each in judged[0])
+    return replace(score, recall=None) if silent else score
 
 
 def statistics(judged: Runs, truth: TrueDataset, label: str) -> PaperStatistics:

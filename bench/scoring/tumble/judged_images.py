@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.estimating.runs import Run
+from bench.scoring import metrics
 from bench.scoring.judgement import Judgement, is_wrong
 from bench.scoring.limits import Limits, read_limits
 from bench.scoring.tumble.navigation_errors import (
@@ -21,7 +22,7 @@ from models.dataset.dataset import Dataset
 from models.errors import DatasetError
 from models.estimate import Estimate
 from models.motion.relative_state import relative_state
-from models.pose import RigidTransform
+from models.pose import RigidTransform, pose_error
 from models.wireframe.visibility import visible_landmarks
 from models.wireframe.wireframe import Wireframe
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
@@ -129,15 +130,42 @@ def true_images(dataset: Dataset) -> dict[int, ImageTruth]:
 def judge_run(run: Run, truth: TrueImages) -> list[JudgedImage]:
     """Hold one run's estimates against the truth.
 
-    A frame is missed if its image gave no pose once there had been a state.
+    A frame is missed if its image gave no pose once there had been a state. A pipeline that keeps
+    no state at all is judged by the poses of its images.
     """
+    filtered = any(relative_state(said) is not None for said in run.estimates.values())
     judged: list[JudgedImage] = []
     begun = False
     for index in truth.dataset.indices:
-        said = run.estimates[index]
-        begun = begun or relative_state(said) is not None
-        judged.append(judged_image(run.number, said, truth.by_frame[index], truth, begun))
+        said, was = run.estimates[index], truth.by_frame[index]
+        if filtered:
+            begun = begun or relative_state(said) is not None
+            judged.append(judged_image(run.number, said, was, truth, begun))
+        else:
+            begun = begun or said.pose is not None
+            judged.append(_judged_pose(run.number, said, was, truth, begun))
     return judged
+
+
+def _judged_pose(
+    run: int, said: Estimate, was: ImageTruth, truth: TrueImages, begun: bool
+) -> JudgedImage:
+    """Hold the pose of an image alone against its truth."""
+    judged = judged_image(run, said, was, truth, begun)
+    if said.pose is None:
+        return judged
+    pose = said.pose.cam_from_target
+    error = pose_error(pose, was.cam_from_target)
+    position_m, attitude_deg = float(np.linalg.norm(error.position_m)), error.attitude_deg
+    squares = ((metrics.frame_nees(said.pose, was.cam_from_target), metrics.POSE_DOF),)
+    target, beyond = truth.knowledge.target, attitude_deg > truth.limits.wrong_attitude_deg
+    return replace(
+        judged,
+        position_m=position_m,
+        attitude_deg=attitude_deg,
+        wrong=is_wrong(position_m, attitude_deg, squares, truth.limits),
+        confusion=confusion_of(pose, was.cam_from_target, target) if beyond else None,
+    )
 
 
 def judged_image(
