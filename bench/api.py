@@ -52,7 +52,7 @@ class SweepOptions(TypedDict, total=False):
     suns: tuple[str, ...]
     exposure_ms: tuple[float, ...]
     lamp_w_sr: tuple[float, ...]
-    pipeline: Literal["best", "paper", "both"]
+    pipeline: str
     width: int | None
     spp: int | None
     marker_samples: int | None
@@ -122,7 +122,8 @@ def estimate(
     """
     from bench.estimating.estimation import estimate_dataset
 
-    return estimate_dataset(folder, pipelines, time_limit_s, threads or cores())
+    workers = min(threads or cores(), cores())
+    return estimate_dataset(folder, pipelines, time_limit_s, workers)
 
 
 def score(folder: Path) -> dict[str, Any]:

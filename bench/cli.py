@@ -1,25 +1,32 @@
 """``rvbench``, the command line: parse, run a verb, turn what went wrong into one message.
 
-Exit codes: 0 done, 1 worse than asked, 2 could not run, 130 interrupted.
+Exit codes: 0 done, 1 worse than asked, 2 could not run, 130 interrupted, 141 who read what we print
+has left.
 """
 
 from __future__ import annotations
 
+import difflib
 import inspect
+import os
 import sys
 import traceback
 from collections.abc import Sequence
+from importlib.metadata import version
+from platform import python_version
 from typing import Annotated, Any, Union
 
 import tyro
 
 from bench import verbs
+from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
+from bench.new.verb import New
 from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
-from models.errors import RvbenchError
+from models.errors import RvbenchError, ScenarioError
 
-COULD_NOT_RUN, INTERRUPTED = 2, 130
+COULD_NOT_RUN, NOBODY_READS = 2, 141
 
 VERBS: dict[str, type[Any]] = {
     "run": verbs.Run,
@@ -31,6 +38,7 @@ VERBS: dict[str, type[Any]] = {
     "report": verbs.Report,
     "show": verbs.Show,
     "store": Store,
+    "new": New,
     "list": verbs.List,
     "doctor": verbs.Doctor,
 }
@@ -41,7 +49,11 @@ DESCRIPTION = """The bench on which spacecraft vision-based navigation is tried 
     rvbench show out/demo 0
     rvbench run --help
 
-Exit codes: 0 done, 1 worse than asked, 2 could not run."""
+Exit codes: 0 done, 1 worse than asked, 2 could not run.
+
+`rvbench --version` tells versions. In bash, for completion with the tab key:
+    rvbench --tyro-print-completion bash > ~/.local/share/bash-completion/completions/rvbench
+(zsh and tcsh alike). Without the script: `python -m bench` in a clone does what `rvbench` does."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,18 +62,40 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        What follows ``rvbench``; ``sys.argv`` unless given.
+        What follows ``rvbench``; ``sys.argv`` unless given. Only then does Ctrl-C end the whole
+        process, see ``bench.interrupts``.
     """
+    typed = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments is not None:
+        return _run(typed)
+    with prompt_interrupts(typed[0] if typed else ""):
+        code = _run(typed)
+    if code == INTERRUPTED:
+        leave(code)
+    return code
+
+
+def _run(typed: list[str]) -> int:
+    """Parse and run; return the exit code."""
+    verb = typed[0] if typed else ""
     try:
-        verb = parse(list(sys.argv[1:] if arguments is None else arguments))
-        return int(verb.run())
+        code = int(parse(typed).run())
+        if sys.stdout is not None:
+            sys.stdout.flush()  # now, while somebody can be told
+        return code
     except SystemExit as stop:  # help was printed, or the arguments could not be read
+        if _lies_beneath(BrokenPipeError, stop):  # as rich ends a process
+            return _nobody_reads()
+        if stop.code is None:  # a completion script was printed
+            return 0
         return stop.code if isinstance(stop.code, int) else COULD_NOT_RUN
+    except BrokenPipeError:
+        return _nobody_reads()
     except RvbenchError as error:
         print(f"rvbench: {error}", file=sys.stderr)
         return COULD_NOT_RUN
     except KeyboardInterrupt:
-        return _interrupted()
+        return _interrupted(verb)
     except OSError as error:
         print(
             f"rvbench: expected the system to let us read and write, got: {error}; every file "
@@ -70,8 +104,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return COULD_NOT_RUN
     except Exception as error:
-        if _is_an_interrupt(error):
-            return _interrupted()
+        if _lies_beneath(KeyboardInterrupt, error):  # Dr.Jit's loops wrap it in one of their own
+            return _interrupted(verb)
         traceback.print_exc()
         print(
             "rvbench: this is a fault of rvbench itself; please report it with the lines above "
@@ -87,12 +121,22 @@ def parse(arguments: list[str]) -> Any:
     Raises
     ------
     SystemExit
-        After printing help, or what is wrong and what was perhaps meant.
+        After printing help, versions, or what is wrong and what was perhaps meant.
+    ScenarioError
+        If there is no such verb, or an argument is empty.
     """
+    _refuse_empty(arguments)
     if arguments and arguments[0] in VERBS:
         name, verb = arguments[0], VERBS[arguments[0]]
-        told = inspect.cleandoc(verb.__doc__ or "")
-        return tyro.cli(verb, prog=f"rvbench {name}", description=told, args=arguments[1:])
+        explained = inspect.cleandoc(verb.__doc__ or "")
+        return tyro.cli(verb, prog=f"rvbench {name}", description=explained, args=arguments[1:])
+    if arguments == ["--version"]:
+        print(versions())
+        raise SystemExit(0)
+    if arguments and not arguments[0].startswith("-"):
+        near = difflib.get_close_matches(arguments[0], VERBS, n=1)
+        hint = f"; perhaps you meant {near[0]}" if near else ""
+        raise ScenarioError(f"expected one of {', '.join(VERBS)}, got {arguments[0]!r}{hint}")
     choices = tuple(
         Annotated[verb, tyro.conf.subcommand(name, description=_first_line(verb))]
         for name, verb in VERBS.items()
@@ -101,19 +145,46 @@ def parse(arguments: list[str]) -> Any:
     return tyro.cli(asked, prog="rvbench", description=DESCRIPTION, args=arguments)
 
 
-def _interrupted() -> int:
-    print(
-        "rvbench: interrupted; every file written so far is whole and kept, "
-        "and the same command goes on from there",
-        file=sys.stderr,
+def versions() -> str:
+    """Return what runs here, in a line; `rvbench doctor` tells more."""
+    return (
+        f"rvbench {version('rvbench')}, Python {python_version()}, Mitsuba {version('mitsuba')}, "
+        f"Dr.Jit {version('drjit')}"
     )
+
+
+def _refuse_empty(arguments: list[str]) -> None:
+    """Refuse an empty argument: as a folder it would mean the one where the user happens to be."""
+    for place, argument in enumerate(arguments):
+        option, is_given, value = argument.partition("=")
+        if not argument.strip() or (option.startswith("--") and is_given and not value.strip()):
+            before = arguments[place - 1] if place else ""
+            after = option if is_given else before if before.startswith("--") else ""
+            where = f" after {after}" if after else ""
+            raise ScenarioError(f"expected a value{where}, got an empty text")
+
+
+def _interrupted(verb: str) -> int:
+    print(told(verb), file=sys.stderr)
     return INTERRUPTED
 
 
-def _is_an_interrupt(error: BaseException | None) -> bool:
-    """Tell whether Ctrl-C lies beneath an error: Dr.Jit's loops wrap it in one of their own."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__
+def _nobody_reads() -> int:
+    """Let nothing more be written where nobody reads, and say so in the way of a shell."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except BrokenPipeError:
+            os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
+    return NOBODY_READS
+
+
+def _lies_beneath(kind: type[BaseException], error: BaseException | None) -> bool:
+    """Tell whether an exception of a kind is what an error was raised from, or because of."""
+    while error is not None and not isinstance(error, kind):
+        error = error.__cause__ or error.__context__
     return error is not None
 
 

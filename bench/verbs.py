@@ -14,8 +14,10 @@ from tyro.conf import Positional, arg
 from bench import api
 from models.errors import ScenarioError
 from models.plain_console import plain_console
+from models.reading.options import check_option
 
 DONE, WORSE = 0, 1
+MOST_LIMIT_MM = 1e9  # a gate that always passes is none
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -122,7 +124,8 @@ class Estimate:
         rvbench estimate out/demo
         rvbench estimate --frames pairs --camera camera.toml --target maxar1300
 
-    Image pairs are NAME_800.png and NAME_850.png, grey, 8 or 16 bits, taken in order of name.
+    Image pairs are NAME_800.png and NAME_850.png (or .tif, or .jpg), grey, 8 or 16 bits, taken in
+    order of name.
     """
 
     folder: Positional[OptionalFolder] = None
@@ -220,6 +223,7 @@ class Score:
 
     def run(self) -> int:
         """Score."""
+        check_option("--fail-above-mm", self.fail_above_mm, 0.0, MOST_LIMIT_MM)
         scored = api.score(self.folder)
         _print_summary(scored)
         print(f"score: {self.folder / 'score.json'}")
@@ -270,10 +274,13 @@ class Show:
     def run(self) -> int:
         """Draw and write the picture."""
         from bench.estimating.runs import PREFERRED, spoken_variant
+        from bench.pictures.our_picture import check_picture_place
 
         variant = self.variant or spoken_variant(self.folder)
         name = f"{self.frame:06d}_{variant or PREFERRED}.png"
         out = self.out or self.folder / "show" / name
+        if self.out is not None:
+            check_picture_place(self.out)
         api.show(self.folder, self.frame, out, variant)
         print(f"picture: {out}")
         return DONE

@@ -6,6 +6,7 @@ leaves such a file behind; ``sweep_scratch`` takes away those whose writer is no
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import platform
@@ -13,7 +14,7 @@ import re
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from models.errors import StorageError, cause
@@ -32,6 +33,7 @@ def _process_numbers() -> str:
 MACHINE = hashlib.sha256(_process_numbers().encode()).hexdigest()[:8]
 SCRATCH_NAME = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<process>\d+)\.part")
 _BEGAN_S = time.time()
+_IN_HAND: set[Path] = set()  # scratch files of this process
 
 
 @contextmanager
@@ -53,6 +55,7 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
     scratch = path.with_name(f".{path.name}.{MACHINE}-{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        _IN_HAND.add(scratch)
         try:
             yield scratch
             with scratch.open("rb") as file:
@@ -60,13 +63,22 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
             scratch.replace(path)
         finally:
             scratch.unlink(missing_ok=True)
+            _IN_HAND.discard(scratch)
     except OSError as error:
         size = "" if size_bytes is None else f" ({size_bytes} bytes)"
         raise StorageError(
-            f"expected to write {path}{size}, got: {cause(error)}; "
-            "free some space or choose a folder you can write; "
+            f"expected to write {path}{size}, got: {cause(error)}; {_mend(path, error)}; "
             "everything written so far is whole, and the same command goes on from there"
         ) from error
+
+
+def _mend(path: Path, error: OSError) -> str:
+    """Return what helps: room helps a full disk, and no other."""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return "free some space or choose another folder"
+    if path.is_dir():
+        return f"there is a folder where the file {path.name} should be: move it away or delete it"
+    return "choose a folder you can write"
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -100,6 +112,13 @@ def link_or_copy(source: Path, place: Path) -> None:
             os.link(source, scratch)
         except OSError:
             shutil.copyfile(source, scratch)
+
+
+def drop_scratch() -> None:
+    """Delete what this process is writing; for one that is about to end, with no time to finish."""
+    for scratch in list(_IN_HAND):
+        with suppress(OSError):
+            scratch.unlink()
 
 
 def sweep_scratch(folder: Path) -> int:

@@ -7,6 +7,7 @@ Axes are OpenCV's: x right, y down, z forward. Pixel centres are integers, so th
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -14,24 +15,18 @@ import tomli_w
 from numpy.typing import ArrayLike
 
 from models.arrays import Floats, Mask
+from models.distortion_fold import fold_radius
 from models.errors import ScenarioError, UnreadableError, cause
 from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 
 UNDISTORT_TOLERANCE = 1e-12  # in normalised coordinates: 2e-9 px at f = 2196 px
 UNDISTORT_ITERATIONS = 50
-UNDISTORT_PLACES = 33  # a side, where a distortion is tried
-MOST_SIDE_PX = 65_535
-MOST_FOCAL_PX = 1e8  # 5 mm a pixel at 500 km; what is beyond is no camera
-BOUNDS = {
-    "width": (1, MOST_SIDE_PX),
-    "height": (1, MOST_SIDE_PX),
-    "fx": (1e-3, MOST_FOCAL_PX),
-    "fy": (1e-3, MOST_FOCAL_PX),
-    "cx": (-1e6, 1e6),
-    "cy": (-1e6, 1e6),
-    **dict.fromkeys(("k1", "k2", "p1", "p2", "k3"), (-1e6, 1e6)),
-}
+LARGEST_SIDE_PX = 16384  # no chip in flight is wider; a pair of such images is 1 GB
+FOCAL_SIDES = (1e-3, 1e4)  # focal length over the image's side: 179.8 deg to 0.006 deg of view
+FARTHEST_CENTRE_PX = 2.0 * LARGEST_SIDE_PX  # a window cut out of the largest image
+LARGEST_COEFFICIENT = 1e6  # a lens of 0.5 deg whose k3 bends its corners by nothing has less
+DISTORTION_ORDER = ("k1", "k2", "p1", "p2", "k3")  # OpenCV's
 
 
 @dataclass(frozen=True)
@@ -48,10 +43,13 @@ class Camera:
     k1, k2, p1, p2, k3 : float
         Brown-Conrady coefficients in OpenCV's order and sense.
 
+    A distortion is one-to-one out to ``fold_radius``. The image must lie within it; what lies
+    beyond has no projection.
+
     Raises
     ------
     ScenarioError
-        If a size or focal length is not positive or a value is not finite.
+        If a value is not finite or out of range, or the distortion folds over inside the image.
     """
 
     width: int
@@ -80,12 +78,42 @@ class Camera:
                 raise ScenarioError(
                     f"camera: expected {name} in px above zero, got {shown(getattr(self, name))}"
                 )
-        for name, (low, high) in BOUNDS.items():
-            if not low <= getattr(self, name) <= high:
-                raise ScenarioError(
-                    f"camera: expected {name} from {low:g} to {high:g}, "
-                    f"got {shown(getattr(self, name))}"
-                )
+        self._require_ranges()
+        if self.distorted:
+            self._require_one_to_one()
+
+    def _require_ranges(self) -> None:
+        for name in ("width", "height"):
+            self._require(name, 1, LARGEST_SIDE_PX, "px, the widest chip there is")
+        for name, side in (("fx", self.width), ("fy", self.height)):
+            low, high = (share * side for share in FOCAL_SIDES)
+            self._require(name, low, high, "px, views of 180 deg to 0.006 deg")
+        for name in ("cx", "cy"):
+            far = FARTHEST_CENTRE_PX
+            self._require(name, -far, far, "px, a window cut out of the widest chip")
+        for name in DISTORTION_ORDER:
+            most = LARGEST_COEFFICIENT
+            self._require(name, -most, most, "in units of the focal length")
+
+    def _require(self, name: str, low: float, high: float, meaning: str) -> None:
+        value = getattr(self, name)
+        if not low <= value <= high:
+            raise ScenarioError(
+                f"camera: expected {name} from {low:g} to {high:g} ({meaning}), got {shown(value)}"
+            )
+
+    def _require_one_to_one(self) -> None:
+        try:
+            self.normalise(self.spread_px())
+        except ValueError as error:
+            told = ", ".join(f"{name} {getattr(self, name):g}" for name in DISTORTION_ORDER)
+            off_axis_deg = np.rad2deg(np.arctan(self.fold_radius))
+            raise ScenarioError(
+                f"camera: expected a distortion that is one-to-one over the image, got {told}, "
+                f"which folds over {off_axis_deg:.1f} deg off axis, inside the {self.width} x "
+                f"{self.height} px at fx {self.fx:g}, fy {self.fy:g}; check the coefficients, "
+                "their order (k1, k2, p1, p2, k3) and their signs"
+            ) from error
 
     @classmethod
     def from_fov(cls, width: int, height: int, fov_deg: float) -> Camera:
@@ -112,6 +140,16 @@ class Camera:
         """Whether any coefficient is not zero."""
         return bool(self.distortion.any())
 
+    @cached_property
+    def fold_radius(self) -> float:
+        """Undistorted normalised radius within which no two directions share a pixel.
+
+        Infinite without distortion, and for one that never folds; see ``models.distortion_fold``.
+        """
+        if not self.distorted:
+            return np.inf
+        return fold_radius(self.k1, self.k2, self.p1, self.p2, self.k3)
+
     @property
     def matrix(self) -> Floats:
         """(3, 3) array, px: the calibration matrix K."""
@@ -132,7 +170,10 @@ class Camera:
         )
 
     def distort(self, normalised: ArrayLike) -> Floats:
-        """Map undistorted normalised coordinates (n, 2) to distorted ones (Brown 1966)."""
+        """Map undistorted normalised coordinates (n, 2) to distorted ones (Brown 1966).
+
+        The polynomial alone: beyond ``fold_radius`` it comes back to where nearer points are.
+        """
         ideal = np.asarray(normalised, dtype=np.float64)
         if not self.distorted:
             return ideal.copy()
@@ -155,8 +196,7 @@ class Camera:
         Raises
         ------
         ValueError
-            If it does not converge, or only beyond the fold: the distortion folds over inside the
-            image.
+            If it does not converge, or only beyond the fold: no direction has such a pixel.
         """
         distorted = np.asarray(normalised, dtype=np.float64)
         guess = distorted.copy()
@@ -172,6 +212,7 @@ class Camera:
                 guess = guess + step
                 settled = (np.abs(step) <= UNDISTORT_TOLERANCE).all(axis=-1)
                 undone = settled & (determinant > 0.0) & (xx + yy > 0.0)
+                undone &= np.hypot(*np.moveaxis(guess, -1, 0)) < self.fold_radius
                 undone |= ~np.isfinite(distorted).all(axis=-1)
                 if undone.all():
                     return guess
@@ -180,18 +221,6 @@ class Camera:
             f"{np.count_nonzero(~undone)} of {undone.size} points have no way back; "
             "check the coefficients' order (k1, k2, p1, p2, k3)"
         )
-
-    def can_be_undone(self) -> bool:
-        """Tell whether ``undistort`` finds a way back from all over the image."""
-        if not self.distorted:
-            return True
-        u = np.linspace(-0.5, self.width - 0.5, UNDISTORT_PLACES)
-        v = np.linspace(-0.5, self.height - 0.5, UNDISTORT_PLACES)
-        try:
-            undistorted = self.normalise(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
-        except ValueError:
-            return False
-        return bool(np.isfinite(undistorted).all())
 
     def _distortion_slopes(self, normalised: Floats) -> tuple[Floats, Floats, Floats]:
         """Return dx'/dx, dx'/dy = dy'/dx and dy'/dy of ``distort``; the matrix is symmetric."""
@@ -214,11 +243,16 @@ class Camera:
 
         Returns
         -------
-        (n, 2) or (2,) array, px; NaN for a point that is not in front of the camera.
+        (n, 2) or (2,) array, px; NaN for a point that is not in front of the camera, or so far off
+        axis that the distortion has folded over.
         """
         points = np.asarray(points_in_cam, dtype=np.float64)
         depth = np.where(points[..., 2:] > 0.0, points[..., 2:], np.nan)
-        distorted = self.distort(points[..., :2] / depth)
+        ideal = points[..., :2] / depth
+        if self.distorted:
+            seen = np.hypot(ideal[..., :1], ideal[..., 1:]) < self.fold_radius
+            ideal = np.where(seen, ideal, np.nan)
+        distorted = self.distort(ideal)
         return distorted * [self.fx, self.fy] + [self.cx, self.cy]
 
     def normalise(self, points_px: ArrayLike) -> Floats:
@@ -231,6 +265,12 @@ class Camera:
         normalised = self.normalise(points_px)
         directions = np.concatenate([normalised, np.ones((*normalised.shape[:-1], 1))], axis=-1)
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+
+    def spread_px(self, steps: int = 8) -> Floats:
+        """Return pixels spread evenly over the image, corners included, ((steps + 1)^2, 2)."""
+        across = np.linspace(-0.5, self.width - 0.5, steps + 1)
+        down = np.linspace(-0.5, self.height - 0.5, steps + 1)
+        return np.stack(np.meshgrid(across, down), axis=-1).reshape(-1, 2)
 
     def contains(self, points_px: ArrayLike, margin_px: float = 0.0) -> Mask:
         """Tell which pixels (n, 2) lie in the image, at least ``margin_px`` from its edge."""
@@ -270,16 +310,9 @@ class Camera:
             if not isinstance(table[key], int):
                 raise ScenarioError(f"{path}: expected an integer {key}, got {shown(table[key])}")
         try:
-            camera = cls(**table)
+            return cls(**table)
         except ScenarioError as error:
             raise ScenarioError(f"{path}: {str(error).removeprefix('camera: ')}") from error
-        if not camera.can_be_undone():
-            raise ScenarioError(
-                f"{path}: expected a distortion that can be undone over the whole image, got "
-                f"{', '.join(f'{x:g}' for x in camera.distortion)}; "
-                "check the coefficients' order (k1, k2, p1, p2, k3)"
-            )
-        return camera
 
 
 CAMERAS: dict[str, Camera] = {

@@ -1,7 +1,7 @@
 """The few exceptions of the house. Each says what was expected, what came, and what to do.
 
 The command line turns any of them into one message and exit code 2. Failure to find a pose is
-not here: it is a value, ``models.estimate.NoPose``.
+not here: it is a value, a ``models.estimate.Estimate`` with its reason.
 """
 
 

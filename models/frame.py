@@ -138,7 +138,8 @@ class Frame:
         reading = self.readings.get(stream)
         if not isinstance(reading, kind):
             there = ", ".join(
-                f"{name} ({NAMES[type(each)]})" for name, each in self.readings.items()
+                f"{name} ({NAMES.get(type(each), 'something else')})"
+                for name, each in self.readings.items()
             )
             raise DatasetError(
                 f"frame {self.index}: expected {NAMES[kind]} of the stream {stream!r}, "

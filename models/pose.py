@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from models.arrays import Floats
 
-ORTHONORMAL_TOLERANCE = 1e-6  # a rotation typed with seven digits passes, a scaled one does not
+ORTHONORMAL_TOLERANCE = 2e-6  # a rotation typed with six decimals passes, a scaled one does not
+EXACT = 1e-12  # long chains of products stay below it; what is above was typed, and is made exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,8 @@ class RigidTransform:
     Attributes
     ----------
     rotation : (3, 3) array
-        ``R_a_from_b``, a rotation matrix.
+        ``R_a_from_b``, a rotation matrix; one typed with a few digits is replaced by the nearest
+        exact one, so that inverses and products hold.
     translation : (3,) array, m
         ``t_a_from_b``: the origin of b, in a.
 
@@ -47,12 +49,17 @@ class RigidTransform:
             )
         if not (np.isfinite(rotation).all() and np.isfinite(translation).all()):
             raise ValueError("expected a finite pose, got NaN or infinity in it")
-        defect = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-        if defect > ORTHONORMAL_TOLERANCE or np.linalg.det(rotation) < 0:
+        with np.errstate(over="ignore", invalid="ignore"):
+            defect = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+            determinant = np.linalg.det(rotation)
+        if not defect <= ORTHONORMAL_TOLERANCE or determinant < 0:
             raise ValueError(
                 f"expected a rotation matrix, got one with |R R^T - I| = {defect:.2g} "
-                f"and determinant {np.linalg.det(rotation):.3g}"
+                f"and determinant {determinant:.3g}"
             )
+        if defect > EXACT:
+            left, _, right = np.linalg.svd(rotation)
+            rotation = left @ right  # the nearest rotation (Higham 1986)
         rotation.setflags(write=False)
         translation.setflags(write=False)
         object.__setattr__(self, "rotation", rotation)

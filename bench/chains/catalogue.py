@@ -17,6 +17,7 @@ GROUP = "rvbench.chains"
 OURS = {
     "retroreflector_pairs": "bench.chains.retroreflector_pairs",
     "tumble_images": "bench.chains.tumble_images",
+    "posed_images": "bench.chains.posed_images",
 }
 _REGISTERED: dict[str, Chain] = {}
 

@@ -12,6 +12,7 @@ from numpy import uint8
 from numpy.typing import NDArray
 
 from models.dataset.dataset import Dataset
+from models.estimate import Estimate
 from models.pose import RigidTransform
 
 if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
@@ -19,7 +20,7 @@ if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
     from bench.pictures.frame_record import FrameRecord
     from bench.report.parts import ReportInput, ReportParts
     from bench.report.table import Table
-    from bench.scoring.judgement import Judgement
+    from bench.scoring.judgement import Judgement, TrueScene
 
 
 class FrameTruth(Protocol):
@@ -33,6 +34,15 @@ class FrameTruth(Protocol):
     @property
     def cam_from_target(self) -> RigidTransform | None:
         """The true pose; None where the truth tells none."""
+        ...
+
+
+class PosedFrameTruth(FrameTruth, Protocol):
+    """The truth of a frame of which a pose is known."""
+
+    @property
+    def cam_from_target(self) -> RigidTransform:
+        """The true pose."""
         ...
 
 
@@ -73,6 +83,9 @@ class Chain:
         ``truth(dataset)``: all of the truth half that judging needs, whatever its type.
     judge : callable
         ``judge(run, truth)``: one ``Judgement`` a frame, of the chain's own kind.
+    judge_alone : callable
+        ``judge_alone(estimate, record, scene)``: a ``Judgement`` of one frame by its sealed record,
+        where there is no dataset, as in a sweep; see ``bench.scoring.judgement.TrueScene``.
     parts : tuple of ScorePart
         What it adds to the common core of a score.
     frame_rows : callable
@@ -102,6 +115,7 @@ class Chain:
     truths: Callable[[Dataset], Mapping[int, Any]]
     truth: Callable[[Dataset], Any]
     judge: Callable[[Run, Any], Sequence[Judgement]]
+    judge_alone: Callable[[Estimate, Any, TrueScene], Judgement]
     parts: tuple[ScorePart, ...]
     frame_rows: Callable[[Sequence[Sequence[Any]], Any], list[dict[str, Any]]]
     report: Callable[[ReportInput], ReportParts]

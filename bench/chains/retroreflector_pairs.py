@@ -11,6 +11,7 @@ CHAIN = Chain(
     truths=lazily("bench.scoring.pairs.judged_pairs:true_poses"),
     truth=lazily("bench.scoring.pairs.judged_pairs:read_true_dataset"),
     judge=lazily("bench.scoring.pairs.judged_pairs:judge_run"),
+    judge_alone=lazily("bench.scoring.pairs.judged_pairs:judge_alone"),
     parts=(
         ScorePart("axes", lazily("bench.scoring.pairs.parts:axes")),
         ScorePart("centroids", lazily("bench.scoring.pairs.parts:centroid_score")),

@@ -11,6 +11,7 @@ CHAIN = Chain(
     truths=lazily("bench.scoring.tumble.judged_images:true_images"),
     truth=lazily("bench.scoring.tumble.judged_images:read_true_images"),
     judge=lazily("bench.scoring.tumble.judged_images:judge_run"),
+    judge_alone=lazily("bench.scoring.tumble.judged_images:judge_alone"),
     parts=(
         ScorePart("state", lazily("bench.scoring.tumble.parts:state")),
         ScorePart("corners", lazily("bench.scoring.tumble.parts:corners")),

@@ -1,22 +1,29 @@
 """Anybody's image pairs, made into what the pipeline takes.
 
-A folder of ``NAME_800.png`` and ``NAME_850.png``, 8 or 16 bits, grey. Pairs are taken in the order
-of their names. Times come from ``frames.csv`` (index, time_s, exposure_ms) in the folder where
-there is one, else from the rate given; the first pose comes from a ``prior.toml``.
+A folder of ``NAME_800.png`` and ``NAME_850.png``, 8 or 16 bits, grey; TIFFs and JPEGs will do.
+Pairs are taken in the order of their names. Times come from ``frames.csv`` (index, time_s,
+exposure_ms) in the folder where there is one, else from the rate given; the first pose comes from a
+``prior.toml``.
 """
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from bench.estimating.contenders import contenders
+from bench.estimating.estimates_place import check_estimates_place
 from bench.estimating.estimation import tell_of
+from bench.estimating.foreign_images import (
+    images_by_name,
+    read_foreign_image,
+    read_header,
+)
 from bench.estimating.runner import estimate_run
 from models.arrays import Image
 from models.camera import Camera
@@ -25,7 +32,7 @@ from models.dataset.frame_table import FrameEntry, read_frame_entries
 from models.dataset.marker_file import read_markers
 from models.dataset.prior_file import read_prior
 from models.dataset.version1 import PAIR_GAP_S
-from models.errors import DatasetError, ScenarioError, cause
+from models.errors import DatasetError, ScenarioError
 from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading, Reading
 from models.markers import MarkerPattern
 from models.onboard import OnboardKnowledge
@@ -33,7 +40,6 @@ from models.sensors.camera_chip import Detector
 
 UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it
 BITS = (8, 10, 12, 14, 16)
-PNG_BIT_DEPTH = 24  # where a PNG's header tells the bits of a channel
 
 
 @dataclass(frozen=True)
@@ -92,7 +98,15 @@ def estimate_pairs(
     if not 0.0 < rate_hz < np.inf:
         raise ScenarioError(f"expected a rate in Hz above zero, got {rate_hz}")
     pairs = find_pairs(folder, rate_hz)
+    check_estimates_place(out, folder)
+    has_jpegs = check_headers(pairs, camera)
     knowledge = foreign_knowledge(folder, pairs, camera, target, prior, detector)
+    if has_jpegs:
+        print(
+            "rvbench: warning: there are JPEGs among these images, whose compression moves the "
+            "centroids of markers; their sigmas know nothing of it. Write PNG or TIFF if you can",
+            file=sys.stderr,
+        )
     chosen, remarks = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
     tell_of(remarks)
     return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, chosen, len(pairs), limit_s)
@@ -106,16 +120,13 @@ def find_pairs(folder: Path, rate_hz: float) -> list[ForeignPair]:
     DatasetError
         If there are none, one of a pair is missing, or ``frames.csv`` has another number of rows.
     """
-    found = {band: _by_name(folder, band) for band in (800, 850)}
-    if not found[850] and not found[800]:
-        raise DatasetError(
-            f"expected image pairs NAME_800.png and NAME_850.png in {folder}, {_found(folder)}"
-        )
+    found = images_by_name(folder)
     for band, other in ((800, 850), (850, 800)):
         alone = sorted(set(found[other]) - set(found[band]))
         if alone:
+            beside = found[other][alone[0]]
             raise DatasetError(
-                f"{folder}: expected {alone[0]}_{band}.png beside {alone[0]}_{other}.png, found "
+                f"{folder}: expected {alone[0]}_{band}{beside.suffix} beside {beside.name}, found "
                 f"none (images alone at {other} nm: {len(alone)}); add it, or take the other away"
             )
     names = sorted(found[850], key=_natural)
@@ -139,16 +150,18 @@ def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
     Raises
     ------
     DatasetError
-        If an image is not whole, not grey, or not of the camera's size.
+        If an image is not whole, not grey, not of the camera's size or of another depth than the
+        first.
     """
+    first_bits = None
     for pair in pairs:
-        images = [read_grey(path) for path in (pair.path_800, pair.path_850)]
-        for path, image in zip((pair.path_800, pair.path_850), images, strict=True):
-            if image.shape != (camera.height, camera.width):
-                raise DatasetError(
-                    f"{path}: expected {camera.width} x {camera.height} pixels, as the camera has, "
-                    f"got {image.shape[1]} x {image.shape[0]}; give the camera that took them"
-                )
+        images = []
+        for path in (pair.path_800, pair.path_850):
+            image = read_foreign_image(path)
+            first_bits = first_bits or image.bits
+            _check_size(path, image.pixels.shape[1], image.pixels.shape[0], camera)
+            _check_bits(path, image.bits, first_bits)
+            images.append(image.pixels)
         entry = pair.entry
         readings: dict[str, Reading] = {
             IMAGE_800: ImageReading(images[0], entry.time_s - PAIR_GAP_S, entry.exposure_ms),
@@ -157,32 +170,51 @@ def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
         yield Frame(entry.index, entry.time_s, readings)
 
 
-def read_grey(path: Path) -> Image:
-    """Read a grey image of 8 or 16 bits; three equal channels are one.
+def check_headers(pairs: list[ForeignPair], camera: Camera) -> bool:
+    """Refuse images of another size than the camera's, or of two depths, before the first is read.
+
+    PNGs alone tell both in their first bytes; ``read_pairs`` looks at all.
+
+    Returns
+    -------
+    bool
+        Whether there are JPEGs among them.
 
     Raises
     ------
     DatasetError
-        If it is missing, truncated, or of another kind.
+        The message names the file.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise DatasetError(f"expected an image at {path}, got: {cause(error)}") from error
-    whole = data.rstrip(b"\0").endswith(b"IEND\xaeB`\x82")
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if whole else None
-    if image is None:
+    first_bits, has_jpegs = None, False
+    for path in (path for pair in pairs for path in (pair.path_800, pair.path_850)):
+        header = read_header(path)
+        has_jpegs |= header.is_jpeg
+        if header.bits is not None:
+            first_bits = first_bits or header.bits
+            _check_size(path, *header.size, camera)
+            _check_bits(path, header.bits, first_bits)
+    return has_jpegs
+
+
+def _check_size(path: Path, width: int, height: int, camera: Camera) -> None:
+    if (width, height) != (camera.width, camera.height):
         raise DatasetError(
-            f"expected a whole PNG at {path}, got {len(data)} bytes that are not; copy it again"
+            f"{path}: expected {camera.width} x {camera.height} pixels, as the camera has, "
+            f"got {width} x {height}; give the camera that took them"
         )
-    if image.ndim == 3 and (image[..., :3] == image[..., :1]).all():
-        image = image[..., 0]
-    if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16):
+
+
+def _check_bits(path: Path, bits: int, first: int) -> None:
+    if bits != first:
         raise DatasetError(
-            f"{path}: expected a grey image of 8 or 16 bits, got {image.dtype} of shape "
-            f"{image.shape}; take the mean of the channels first"
+            f"{path}: expected {first} bits, as the first image of the folder has, got {bits}; "
+            "one detector took them all: write them all alike"
         )
-    return np.asarray(image, dtype=np.uint16)
+
+
+def read_grey(path: Path) -> Image:
+    """Read the pixels of a grey image, uint16; see ``foreign_images.read_foreign_image``."""
+    return read_foreign_image(path).pixels
 
 
 def marker_pattern(target: str) -> MarkerPattern:
@@ -251,31 +283,17 @@ def foreign_knowledge(
 
 def _detector(image: Path, given: Path | None) -> Detector:
     """Read the detector given, and hold it against an image; guess it where none is given."""
-    pixels = read_grey(image)
+    found = read_foreign_image(image)
     if given is None:
-        return guessed_detector(pixels)
-    detector = read_detector(given)
-    bits = 8 if image.read_bytes()[PNG_BIT_DEPTH] <= 8 else 16
-    if bits < detector.bits or int(pixels.max()) > detector.max_dn:
+        return guessed_detector(found.pixels)
+    detector, largest = read_detector(given), int(found.pixels.max())
+    if found.bits < detector.bits or largest > detector.max_dn:
         raise DatasetError(
             f"{given}: expected the detector of these images, got one of {detector.bits} bits; "
-            f"{image} has {bits} bits and values up to {int(pixels.max())}; "
+            f"{image} has {found.bits} bits and values up to {largest}; "
             "leave --detector out to have it guessed"
         )
     return detector
-
-
-def _found(folder: Path) -> str:
-    if not folder.is_dir():
-        return "found a file there" if folder.exists() else "found no such folder"
-    if (folder / "dataset.json").is_file():
-        return f"found a dataset: `rvbench estimate {folder}` reads it"
-    return "found none"
-
-
-def _by_name(folder: Path, band: int) -> dict[str, Path]:
-    ending = f"_{band}.png"
-    return {path.name.removesuffix(ending): path for path in folder.glob(f"*{ending}")}
 
 
 def _natural(name: str) -> tuple[tuple[int, str], ...]:

@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,11 @@ def read_stamp(folder: Path, number: int) -> dict[str, Any]:
         return {}
 
 
+def spoken_variants(folder: Path) -> tuple[str, ...]:
+    """Return the variants that have estimates of run 0, in order of name; perhaps none."""
+    return tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+
+
 def found_variants(folder: Path) -> tuple[str, ...]:
     """Return the variants that have estimates of run 0.
 
@@ -81,7 +87,7 @@ def found_variants(folder: Path) -> tuple[str, ...]:
     DatasetError
         If there are none.
     """
-    variants = tuple(sorted(path.stem for path in (folder / "estimates").glob("*.jsonl")))
+    variants = spoken_variants(folder)
     if not variants:
         raise DatasetError(
             f"expected estimates at {folder / 'estimates'}/*.jsonl, found none; "
@@ -104,7 +110,7 @@ def spoken_variant(folder: Path, variant: str | None = None) -> str | None:
     DatasetError
         If others have, but not this one.
     """
-    spoken = sorted(path.stem for path in (folder / "estimates").glob("*.jsonl"))
+    spoken = spoken_variants(folder)
     if variant is None:
         return PREFERRED if PREFERRED in spoken else next(iter(spoken), None)
     if spoken and variant not in spoken:
@@ -116,7 +122,7 @@ def spoken_variant(folder: Path, variant: str | None = None) -> str | None:
 
 def found_runs(folder: Path, variant: str) -> list[int]:
     """Return the numbers of the runs that have estimates of a variant, in order."""
-    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{variant}.jsonl")
+    others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{escape(variant)}.jsonl")
     numbers = sorted(int(path.parent.parent.name) for path in others)
     return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
 

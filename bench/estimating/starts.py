@@ -20,7 +20,7 @@ from bench.suites.spread import do_units
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.atomic_file import write_text
 from models.dataset.dataset import Dataset, open_dataset
-from models.errors import DatasetError, cause
+from models.errors import DatasetError, UnreadableError, cause
 from models.plain_console import plain_console
 from models.pose import RigidTransform
 from models.reading.json_file import read_json_table
@@ -248,14 +248,14 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
                 frame=int(each["frame"]),
                 images=int(each["images"]),
                 cam_from_target=_pose(each["cam_from_target"]),
-                pose_frame=each["pose_frame"],
+                pose_frame=None if each["pose_frame"] is None else int(each["pose_frame"]),
                 seconds=float(each["seconds"]),
                 reason=str(each["reason"]),
             )
             for each in document["starts"]
         ]
         return int(document["most_images"]), starts
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (UnreadableError, KeyError, TypeError, ValueError) as error:
         raise DatasetError(
             f"{path}: expected the starts that were tried, got: {cause(error)}; "
             "delete it and estimate again: only what is missing is done"
@@ -265,5 +265,5 @@ def read_starts(folder: Path, variant: str) -> tuple[int, list[Start]]:
 def _pose(rows: list[list[float]] | None) -> RigidTransform | None:
     if rows is None:
         return None
-    matrix = np.array(rows, dtype=np.float64)
+    matrix = np.array(rows, dtype=np.float64).reshape(3, 4)
     return RigidTransform(matrix[:, :3], matrix[:, 3])

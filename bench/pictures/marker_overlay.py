@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
+from bench.scoring.judgement import NO_REASON
 from models.arrays import AnyArray, Floats
 from models.frame import IMAGE_850
 from models.markers import MarkerPattern
@@ -79,11 +80,13 @@ def verdict(record: FrameRecord) -> str:
     if said is None:
         return "not estimated"
     if said.pose is None:
-        return f"no pose: {said.reason}"
+        return f"no pose: {said.reason or NO_REASON}"
     if record.truth is None:
-        told = f"pose from {sum(said.detected.used)} markers"
+        told = "a pose"
+        if said.detections is not None:
+            told = f"pose from {sum(said.detections.used)} markers"
         residual = said.pose.residual_rms_px
-        return told if residual is None else f"{told}, residual {residual:.3f} px rms"
+        return told if residual is None else f"{told}, residual {number(residual)} px rms"
     error = pose_error(said.pose.cam_from_target, record.truth.cam_from_target)
     x, y, z = numbers((1e3 * error.position_m).tolist(), signed=True)
     return f"position error {x}, {y}, {z} mm; attitude {number(error.attitude_deg)} deg"

@@ -20,6 +20,7 @@ from bench.pictures.marker_overlay import (
     verdict,
 )
 from bench.pictures.stretch import STRETCH, stretch
+from bench.report.numbers import number
 from bench.report.plain_text import take_literally
 from models.arrays import Floats
 from models.frame import IMAGE_800, IMAGE_850
@@ -127,7 +128,7 @@ def _window_title(record: FrameRecord, marker: int) -> str:
     if record.truth is None:
         return f"{name}{kept}"
     du, dv = detections.points_px[place] - record.truth.markers_px[marker]
-    return f"{name}  {du:+.3f}, {dv:+.3f} px{kept}"
+    return f"{name}  {number(du, signed=True)}, {number(dv, signed=True)} px{kept}"
 
 
 def _draw_marks(axes: Axes, record: FrameRecord) -> None:

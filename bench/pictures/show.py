@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.pictures.frame_record import FrameRecords
+from bench.pictures.our_picture import marked
 from models.atomic_file import write_bytes
 from models.errors import DatasetError
 
@@ -66,7 +67,7 @@ def write_frame(folder: Path, index: int, out: Path, variant: str | None = None)
 
 
 def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
-    """Write an RGB picture, (height, width, 3), as a PNG file.
+    """Write an RGB picture, (height, width, 3), as a PNG file; see ``bench.pictures.our_picture``.
 
     Raises
     ------
@@ -76,4 +77,4 @@ def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:
         raise ValueError(f"expected OpenCV to encode a picture of {picture.shape}, it refused")
-    write_bytes(out, bytes(data.tobytes()))
+    write_bytes(out, marked(bytes(data.tobytes())))

@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
+from bench.scoring.judgement import NO_REASON
 from models.arrays import AnyArray, Floats, Image
 from models.camera import Camera
 from models.frame import IMAGE
@@ -58,12 +59,12 @@ def wireframe_overlay(
     (height, width_px, 3) uint8 array
         RGB.
     """
-    camera, target = record.camera, wireframe_of(record.onboard)
+    camera, target = record.camera, record.onboard.wireframe
     canvas = _Canvas.of(record.image(IMAGE), record.detector, width_px, window)
-    if truth and record.truth is not None:
+    if truth and record.truth is not None and target is not None:
         canvas.draw_edges(camera, target, record.truth.cam_from_target, TRUTH_CYAN)
     if record.estimate is not None:
-        if record.estimated_pose is not None:
+        if record.estimated_pose is not None and target is not None:
             canvas.draw_edges(camera, target, record.estimated_pose, ESTIMATE_GREEN)
         found = record.estimate.detected
         for pixel, landmark in zip(found.points_px, found.marker, strict=True):
@@ -87,9 +88,9 @@ def verdict(record: FrameRecord) -> str:
     """Say in one line what the pipeline did, and the pose error or why there is no pose."""
     if record.estimate is None:
         return "not estimated"
-    said = record.estimate.mode
+    said = record.estimate.mode or "estimated"
     if record.estimate.pose is None:
-        said += f" (no pose from this image: {record.estimate.reason})"
+        said += f" (no pose from this image: {record.estimate.reason or NO_REASON})"
     pose = record.estimated_pose
     if pose is None or record.truth is None:
         return said
@@ -101,7 +102,15 @@ def verdict(record: FrameRecord) -> str:
 
 
 def window_around(onboard: OnboardKnowledge, cam_from_target: RigidTransform) -> Window | None:
-    """Return the square that holds the target at a pose; None if it is not in front."""
+    """Return the square that holds the target at a pose; None if it is not in front, or not known.
+
+    Parameters
+    ----------
+    onboard : OnboardKnowledge
+    cam_from_target : RigidTransform
+    """
+    if onboard.wireframe is None:
+        return None
     camera = needed(onboard.camera, "camera.toml", "pictures of a wireframe")
     pixels = camera.project(cam_from_target @ wireframe_of(onboard).points_in_target)
     if not np.isfinite(pixels).all():

@@ -66,6 +66,38 @@ def column(frames: list[dict[str, Any]], key: str, axis: int | None = None) -> F
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
+def errors_over_time(score: dict[str, Any]) -> str:
+    """Draw position and attitude errors of every pipeline against time, as SVG."""
+
+    def draw(figure: Figure) -> None:
+        labels = list(score["pipelines"])
+        axes = figure.subplots(1, 2, sharex=True)
+        for panel, key, what in zip(
+            axes,
+            ("position_error_mm", "attitude_error_deg"),
+            ("position error, mm", "attitude error, deg"),
+            strict=True,
+        ):
+            for label in labels:
+                frames = score["pipelines"][label]["per_frame"]
+                panel.plot(
+                    column(frames, "time_s"),
+                    column(frames, key),
+                    "o-",
+                    ms=3.0,
+                    lw=1.0,
+                    color=colour_of(label, labels),
+                    label=label,
+                )
+            panel.set_title(what.split(",")[0])
+            panel.set_ylabel(what)
+            panel.set_xlabel("time, s")
+        handles, names = axes[0].get_legend_handles_labels()
+        figure.legend(handles, names, loc="outside lower center", ncols=len(names))
+
+    return drawn_svg(draw, (11.0, 3.2))
+
+
 def drawn_svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
     """Return as SVG text, the same for the same drawing, what ``draw`` puts on a figure.
 

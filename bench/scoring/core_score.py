@@ -119,7 +119,7 @@ def core_score(judged: Sequence[Sequence[Judgement]], runtime_ms: Sequence[float
     own = judged[0]
     pooled = [each for run in judged for each in run]
     lost = [each for each in own if each.lost]
-    reasons = Counter(without_numbers(each.estimate.reason or "") for each in lost)
+    reasons = Counter(without_numbers(each.reason or "") for each in lost)
     return CoreScore(
         frames=len(own),
         estimated=_estimated(own),

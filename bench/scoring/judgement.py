@@ -8,9 +8,55 @@ from dataclasses import dataclass
 from scipy.stats import chi2
 
 from bench.scoring.limits import Limits
+from models.camera import Camera
 from models.estimate import Estimate
+from models.markers import MarkerPattern
+from models.onboard import OnboardKnowledge
 
 ALLOWED_CONFIDENCE = 0.9999  # one honest frame in ten thousand lies beyond its covariance
+NO_REASON = "none told"
+
+
+@dataclass(frozen=True, eq=False)
+class TrueScene:
+    """What judging one frame needs beside its sealed record.
+
+    Attributes
+    ----------
+    camera : Camera
+        As simulated.
+    markers : MarkerPattern or None
+        As installed.
+    onboard : OnboardKnowledge
+        As told.
+    limits : Limits
+    """
+
+    camera: Camera
+    markers: MarkerPattern | None
+    onboard: OnboardKnowledge
+    limits: Limits
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What the image processing found in one frame, of what there was.
+
+    Attributes
+    ----------
+    expected, found : int
+        Markers or landmarks that an image shows, and those of them truly found.
+    mismatched, used : int
+        Matches that are not true; those that the solver kept, of the true ones.
+    in_sun : int
+        Of those there are, that the Sun reaches.
+    """
+
+    expected: int = 0
+    found: int = 0
+    mismatched: int = 0
+    used: int = 0
+    in_sun: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +86,21 @@ class Judgement:
     wrong: bool
 
     @property
+    def counts(self) -> Counts:
+        """What the image processing found; a chain that counts nothing says nothing."""
+        return Counts()
+
+    @property
     def lost(self) -> bool:
         """Whether this frame's own readings gave no pose."""
         return self.estimate.pose is None
+
+    @property
+    def reason(self) -> str | None:
+        """Why they gave none; None where they gave one."""
+        if not self.lost:
+            return None
+        return self.estimate.reason or NO_REASON
 
 
 def is_wrong(

@@ -3,7 +3,8 @@
 A frame without a pose is never dropped: it counts in ``frames`` and is listed in ``lost``. The same
 estimates and truth give the same bytes, ``runtime_ms`` apart. Version 2 has for each pipeline a
 ``core``, which is the same for every chain, the chain's own ``parts`` by name, and ``per_frame``;
-``docs/migration.md`` says where the keys of version 1 have gone.
+``docs/migration.md`` says where the keys of version 1 have gone. A ``checksum`` of all but the
+runtimes tells a whole score from one that was cut or edited.
 """
 
 from __future__ import annotations
@@ -17,7 +18,13 @@ from typing import Any
 
 from bench.chains.catalogue import chain_named
 from bench.chains.chain import Chain
-from bench.estimating.runs import estimates_path, found_runs, found_variants, read_run
+from bench.estimating.runs import (
+    estimates_path,
+    found_runs,
+    found_variants,
+    read_run,
+    spoken_variants,
+)
 from bench.scoring.core_score import core_score
 from bench.scoring.judgement import Judgement
 from models.atomic_file import write_text
@@ -50,7 +57,7 @@ def score_dataset(folder: Path) -> dict[str, Any]:
     truth = chain.truth(dataset)
     pipelines = {label: _score(dataset, chain, truth, label) for label in found_variants(folder)}
     info = dataset.info
-    table: dict[str, Any] = _rounded(
+    scored: dict[str, Any] = _rounded(
         {
             "format": FORMAT,
             "version": VERSION,
@@ -64,6 +71,7 @@ def score_dataset(folder: Path) -> dict[str, Any]:
             "pipelines": pipelines,
         }
     )
+    table = {**scored, "checksum": _checksum(scored)}
     write_text(folder / "score.json", json.dumps(table, indent=1, allow_nan=False) + "\n")
     return table
 
@@ -94,6 +102,12 @@ def read_score(folder: Path) -> dict[str, Any]:
         )
     if broken := _what_is_broken(table):
         raise DatasetError(f"{path}: expected a whole score, but {broken}; {again} again")
+    unscored = sorted({*spoken_variants(folder)} - {*table["estimates"]})
+    if unscored:
+        raise DatasetError(
+            f"{path}: expected a score of all the estimates that are there, but "
+            f"{', '.join(unscored)} came later; {again} again"
+        )
     for label, own in table["estimates"].items():
         if estimates_hash(folder, label) != own:
             raise DatasetError(
@@ -133,7 +147,7 @@ def _row(judgement: Judgement) -> dict[str, Any]:
         "time_s": said.time_s,
         "range_m": judgement.range_m,
         "mode": said.mode or None,
-        "reason": said.reason,
+        "reason": judgement.reason,
         "missed": judgement.missed,
         "wrong": judgement.wrong,
         "position_error_mm": None if judgement.position_m is None else 1e3 * judgement.position_m,
@@ -160,21 +174,32 @@ def _what_is_broken(table: dict[str, Any]) -> str:
     if not isinstance(told, dict) or set(told) != set(pipelines):
         return "it does not say of which estimates it is"
     for label, own in pipelines.items():
-        if not isinstance(own, dict) or not _is_whole(own):
-            return f"pipelines.{label} lacks core, parts or per_frame"
+        for key, kind in (("core", dict), ("parts", dict), ("per_frame", list)):
+            if not isinstance(own, dict) or not isinstance(own.get(key), kind):
+                return f"pipelines.{label} lacks {key}"
+        if not _are_times(own["core"].get("runtime_ms")):
+            return f"pipelines.{label}.core.runtime_ms has not two numbers"
+    content = {key: value for key, value in table.items() if key != "checksum"}
+    if table.get("checksum") != _checksum(content):
+        return "something in it is missing or was changed since it was written"
     return ""
 
 
-def _is_whole(own: dict[str, Any]) -> bool:
-    core, rows = own.get("core"), own.get("per_frame")
-    core_keys = ("frames", "estimated", "lost", "wrong", "position_error_mm", "attitude_error_deg")
-    return (
-        isinstance(core, dict)
-        and all(key in core for key in core_keys)
-        and isinstance(own.get("parts"), dict)
-        and isinstance(rows, list)
-        and all(isinstance(row, dict) and "frame" in row and "time_s" in row for row in rows)
+def _are_times(told: Any) -> bool:
+    return isinstance(told, dict) and all(
+        told.get(key, "") is None or type(told.get(key)) in (int, float)
+        for key in ("median", "p95")
     )
+
+
+def _checksum(content: dict[str, Any]) -> str:
+    """Return a hash of a score but for its runtimes, which change from run to run."""
+    pipelines = {
+        label: {**own, "core": {**own["core"], "runtime_ms": None}}
+        for label, own in content["pipelines"].items()
+    }
+    text = json.dumps({**content, "pipelines": pipelines}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _rounded(value: Any) -> Any:

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.progress import frame_progress
-from models.errors import ScenarioError, StorageError
+from models.errors import ScenarioError, StorageError, cause
 from renders.store.budget import GB, Entry, budget_bytes, evict
 from renders.store.check import Damage, all_entries, damaged
 from renders.store.claims import Claim, forget_claims_without_light, live_claims, read_claims
@@ -127,27 +127,38 @@ def whose(folder: Path, damage: Damage) -> str:
     return "; ".join(owners) or NOBODY
 
 
-def prune(folder: Path, to_gb: float) -> tuple[int, int]:
+def prune(folder: Path, to_gb: float) -> tuple[int, int, bool]:
     """Delete what was used longest ago until a store is small enough.
 
     Returns
     -------
-    (int, int)
-        Bytes that are left, and how many entries were deleted.
+    (int, int, bool)
+        Bytes that are left, how many entries were deleted, and whether commands that run now need
+        light of this store.
 
     Raises
     ------
     ScenarioError
         If the size is none.
+    StorageError
+        If more is left than was asked for because the system lets nothing be deleted.
     """
     if not to_gb >= 0.0:
         raise ScenarioError(f"expected --to-gb to be a number of gigabytes, got {to_gb:g}")
     live = live_claims(existing(folder))
     needed = frozenset[str]().union(*(claim.needed for claim in live))
     wanted = frozenset[str]().union(*(claim.wanted for claim in live))
-    left, deleted = evict(folder, to_gb * GB, needed, wanted)
+    refused: list[OSError] = []
+    left, deleted = evict(folder, to_gb * GB, needed, wanted, refused)
+    if refused and left > to_gb * GB:
+        raise StorageError(
+            f"expected to delete light from the store {folder} down to {to_gb:g} GB, got: "
+            f"{cause(refused[0])} ({len(refused)} entries); {deleted} entries were deleted, "
+            f"{size_text(left)} are left. Prune it as who may write it, or where it is not "
+            "read-only"
+        )
     forget_claims_without_light(folder, frozenset(entry.key for entry in all_entries(folder)))
-    return left, deleted
+    return left, deleted, bool(needed)
 
 
 def size_text(size_bytes: float) -> str:

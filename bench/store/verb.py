@@ -73,10 +73,11 @@ class PruneLight:
         from bench.store.stored_light import prune, size_text
 
         folder = _folder(self.store)
-        left, deleted = prune(folder, self.to_gb)
+        left, deleted, needed = prune(folder, self.to_gb)
         print(f"{folder}: {deleted} entries deleted, {size_text(left)} left")
         if left > self.to_gb * 1e9:
-            print("what is left beyond that is needed by commands that run now")
+            why = "needed by commands that run now" if needed else "of entries used meanwhile"
+            print(f"what is left beyond that is {why}")
         return DONE
 
 

@@ -8,6 +8,7 @@ from importlib import import_module
 
 from rich.console import Console
 
+from bench.suites.folder import begin
 from bench.suites.request import SuiteFiles, SuiteRequest
 from models.errors import ScenarioError
 
@@ -21,7 +22,7 @@ TITLES = {
 
 
 def suite_by_name(name: str) -> RunSuite:
-    """Return what runs a suite.
+    """Return what runs a suite, in a folder that is new, empty or its own.
 
     Raises
     ------
@@ -33,4 +34,9 @@ def suite_by_name(name: str) -> RunSuite:
         hint = f"; perhaps you meant {near[0]}" if near else ""
         raise ScenarioError(f"expected a suite among {', '.join(SUITES)}, got {name!r}{hint}")
     found: RunSuite = import_module(SUITES[name]).run_suite
-    return found
+
+    def run_in_own_folder(request: SuiteRequest, console: Console) -> SuiteFiles:
+        begin(request.out, name)
+        return found(request, console)
+
+    return run_in_own_folder

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -13,12 +12,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
 from bench.suites.units import WorkUnit, read_outcome, write_outcome
-from bench.sweep.time_left import told
 from bench.sweep.workers import Workers
 from models.atomic_file import sweep_scratch
 from models.plain_console import plain_console
-
-LINE_EVERY_S = 30.0  # where stderr is no terminal
+from models.progress_lines import LinePace, told
 
 
 @dataclass
@@ -133,16 +130,14 @@ def _spread(missing: list[WorkUnit], folder: Path, pace: Pace, console: Console)
         console=console,
         transient=not console.is_terminal,
     )
-    said_s = time.monotonic()
+    lines = LinePace(len(missing))
     with Workers(pace.workers) as pool, bars:
         row = bars.add_task("units", total=len(missing), left=told(pace.left_s))
         results = pool.run(_do, [(folder, unit) for unit in missing])
         for count, (number, seconds) in enumerate(results, start=1):
             pace.done(missing[number], seconds)
             bars.update(row, completed=count, left=told(pace.left_s))
-            due = time.monotonic() - said_s > LINE_EVERY_S or count == len(missing)
-            if due and not console.is_terminal:
-                said_s = time.monotonic()
+            if lines.due(count) and not console.is_terminal:
                 console.print(
                     f"units: {count} of {len(missing)}; left: {told(pace.left_s)}", soft_wrap=True
                 )

@@ -12,8 +12,10 @@ from rich.table import Table
 from tyro.conf import Positional, arg
 
 from bench.verbs import DONE, OptionalCount, OptionalFolder, OptionalNumber
-from models.errors import ScenarioError
 from models.plain_console import plain_console
+from models.reading.options import check_option
+
+MOST_WORKERS = max(64, 2 * (os.cpu_count() or 1))
 
 
 @dataclass(frozen=True)
@@ -68,8 +70,7 @@ class Suite:
         from bench.suites.request import SuiteRequest
 
         workers = len(os.sched_getaffinity(0)) if self.workers is None else self.workers
-        if workers < 1:
-            raise ScenarioError(f"expected --workers of at least 1, got {workers}")
+        check_option("--workers", workers, 1, MOST_WORKERS, whole=True)
         request = SuiteRequest(
             name=self.name,
             out=self.out or Path("out") / f"suite-{self.name}",

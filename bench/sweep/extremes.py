@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from bench.report.numbers import number
 from bench.sweep.run import SweepResult
-from bench.sweep.shots import encoded_png, picture
+from bench.sweep.shots import encoded_png, images_of, picture
 from bench.sweep.table import Row, Setting, setting_of
 from models.atomic_file import write_bytes
-from models.frame import IMAGE_850
+from models.onboard import needed
 
 OF_EACH = 3
 
@@ -29,7 +29,7 @@ class Extreme:
         ``best_1`` to ``harshest_3``.
     row : Row
     picture : (height, width) uint8 array
-        Its 850 nm frame.
+        Its last image.
     """
 
     name: str
@@ -53,17 +53,21 @@ class Extreme:
 
 def told(row: Row) -> str:
     """Return what came of a row, in a line."""
-    markers = f"{row.found} of {row.expected} markers"
+    markers = f"{row.found} of {row.expected} markers or landmarks"
     if row.position_error_mm is None:
         return f"no pose: {row.reason}; {markers} found"
     return (
-        f"{markers} found, position off by {number(row.position_error_mm)} mm, "
-        f"attitude by {number(row.attitude_error_deg)} deg"
+        f"{markers} found, position expected within {number(row.position_sigma_mm)} mm (1-sigma), "
+        f"in this draw off by {number(row.position_error_mm)} mm, attitude by "
+        f"{number(row.attitude_error_deg)} deg"
     )
 
 
 def ranked(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
-    """Return the kindest directions, best first, and the harshest, worst first; no row twice."""
+    """Return the kindest directions, best first, and the harshest, worst first; no row twice.
+
+    One draw of noise does not rank; see ``Row.harshness``.
+    """
     ordered = sorted(rows, key=lambda row: row.harshness)
     each = min(OF_EACH, len(ordered) // 2) or len(ordered)
     return ordered[:each], ordered[::-1][: min(each, len(ordered) - each)]
@@ -96,5 +100,6 @@ def write_extremes(out: Path, found: Sequence[Extreme]) -> list[Path]:
 
 
 def _picture(result: SweepResult, setting: Setting, row: Row) -> NDArray[np.uint8]:
-    detector = result.knowledge[setting.time_s].detector
-    return picture(result.pair(setting, row.sun_text).image(IMAGE_850).image, detector)
+    detector = needed(result.onboard[setting.time_s].detector, "detector.toml", "a sweep")
+    images = images_of(result.frame(setting, row.sun_text))
+    return picture(list(images.values())[-1], detector)

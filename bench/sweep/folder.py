@@ -15,28 +15,31 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from bench.sweep.plan import SweepPlan, SweepPose
 from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
-from models.lights.sun_grid import NamedSun
+from models.output_folder import check_empty, check_place
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
 from renders.scenario.scenario import read_scenario
 from renders.store.radiance_store import KEY
 from renders.store.sealed_exr import read_exr, write_exr
-from renders.truth.exposure_truth import ExposureTruth
 
-PoseTruth = tuple[ExposureTruth, dict[str, list[float]]]
+if TYPE_CHECKING:
+    from bench.sweep.pose_work import PoseWork
+
+PoseTruth: TypeAlias = dict[str, Any]
+"""The sealed record of a pose's last exposure under each Sun, by ``--sun`` text."""
 
 
 def check_folder(plan: SweepPlan) -> None:
-    """Refuse a file, a dataset, or a sweep of another scenario.
+    """Refuse a file, a dataset, a sweep of another scenario, or what is not ours.
 
+    The scenario is the first file to be written, so that a sweep killed at any moment goes on.
     Poses, Suns, exposures, lamp powers and pipelines may be others than last time: what is there
     of them is used again.
 
@@ -46,8 +49,7 @@ def check_folder(plan: SweepPlan) -> None:
         Nothing was changed.
     """
     out = plan.request.out
-    if out.exists() and not out.is_dir():
-        raise DatasetError(f"expected a folder at {out}, found a file; choose another --out")
+    check_place(out)
     if (out / "dataset.json").exists():
         raise DatasetError(
             f"expected {out} to be empty or to hold this very sweep, it holds a dataset; "
@@ -55,6 +57,7 @@ def check_folder(plan: SweepPlan) -> None:
         )
     there = scenario_path(out)
     if not there.is_file():
+        check_empty(out, "a sweep that rvbench made")
         return
     scenario = read_scenario(there)
     if scenario.fingerprint() != plan.scenario.fingerprint():
@@ -74,29 +77,28 @@ def scenario_path(out: Path) -> Path:
     return out / "truth" / "scenario.toml"
 
 
-def read_pose_truth(
-    out: Path, pose: SweepPose, key: str, suns: Sequence[NamedSun]
-) -> PoseTruth | None:
+def read_pose_truth(out: Path, work: PoseWork, key: str) -> PoseTruth | None:
     """Read the truth of a pose; None if it is absent, of another scene, or lacks a Sun.
 
     Parameters
     ----------
     out : Path
         The sweep's folder.
-    pose : SweepPose
+    work : PoseWork
     key : str
         Hash of what shaped it.
-    suns : sequence of NamedSun
-        That must be in it.
     """
+    path, truth = _truth_path(out, work.pose), work.light.studio.world.truth
     try:
-        table: dict[str, Any] = read_json_table(_truth_path(out, pose))
-        sun_lit = {str(text): [float(x) for x in xs] for text, xs in table["sun_lit"].items()}
-        truth = ExposureTruth.from_fields(Fields(table["truth"], _truth_path(out, pose)))
-        known = table["key"] == key and all(sun.text in sun_lit for sun in suns)
+        table: dict[str, Any] = read_json_table(path)
+        if table["key"] != key:
+            return None
+        return {
+            sun.text: truth.read(Fields(table["records"][sun.text], path))
+            for sun in work.light.suns
+        }
     except (DatasetError, ValueError, KeyError, TypeError, AttributeError):
         return None
-    return (truth, sun_lit) if known else None
 
 
 def write_pose_truth(out: Path, pose: SweepPose, key: str, found: PoseTruth) -> None:
@@ -109,12 +111,11 @@ def write_pose_truth(out: Path, pose: SweepPose, key: str, found: PoseTruth) -> 
     pose : SweepPose
     key : str
         Hash of what shaped it.
-    found : (ExposureTruth, dict of str to list of float)
-        And how much each Sun lights of each marker, by ``--sun`` text.
+    found : dict of str to SealedRecord
+        By ``--sun`` text.
     """
-    truth, sun_lit = found
-    table = {"key": key, "truth": truth.to_json(), "sun_lit": sun_lit}
-    write_text(_truth_path(out, pose), json.dumps(table) + "\n")
+    records = {text: record.to_json() for text, record in found.items()}
+    write_text(_truth_path(out, pose), json.dumps({"key": key, "records": records}) + "\n")
 
 
 def depth_path(out: Path, pose: SweepPose, band: int) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from bench.sweep.shots import read_shot
 from bench.sweep.sun_map import sun_map
 from bench.sweep.table import VERDICTS, Row, Setting, setting_of, to_csv, to_json
 from models.atomic_file import write_bytes, write_text
+
+OUR_PICTURE = re.compile(r"(sun_map(_\d+)?|(best|harshest)_\d+)\.png")
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,7 @@ def print_sweep(console: Console, result: SweepResult) -> None:
         table.add_column("pipeline", no_wrap=True)
         for head in (*VERDICTS, "median, mm", "worst, mm"):
             table.add_column(head, justify="right")
-        for pipeline in result.plan.pipelines:
+        for pipeline in (each.label for each in result.plan.pipelines):
             rows = rows_of(result, setting, pipeline)
             counts = [str(sum(row.verdict == verdict for row in rows)) for verdict in VERDICTS]
             table.add_row(pipeline, *counts, *_errors(rows))
@@ -111,4 +114,5 @@ def _thumbnails(result: SweepResult, setting: Setting, rows: list[Row]) -> list[
 def _sweep_away(out: Path) -> None:
     """Delete the pictures of the last time, which may have been of other settings."""
     for path in (*out.glob("sun_map*.png"), *(out / "extremes").glob("*.png")):
-        path.unlink()
+        if OUR_PICTURE.fullmatch(path.name):
+            path.unlink()

@@ -19,7 +19,7 @@ from bench.report.numbers import number
 from bench.sweep.extremes import Extreme
 from bench.sweep.run import SweepResult
 from bench.sweep.sun_map import MEANINGS
-from bench.sweep.table import VERDICTS, Row, Setting, setting_of
+from bench.sweep.table import VERDICTS, Row, Setting, saturated, setting_of
 from models.atomic_file import write_text
 
 TEMPLATE = "page.html.jinja"
@@ -118,7 +118,7 @@ def _counts(result: SweepResult) -> list[list[str]]:
     """Return, for each setting and pipeline, how many directions came to what, and the errors."""
     table = []
     for setting in result.settings:
-        for pipeline in result.plan.pipelines:
+        for pipeline in (each.label for each in result.plan.pipelines):
             rows = [
                 row
                 for row in result.rows
@@ -150,7 +150,7 @@ def _cells(row: Row) -> list[str]:
         number(row.position_error_mm),
         *(number(value, signed=True) for value in signed),
         number(row.attitude_error_deg),
-        number(row.saturated_850_percent),
+        number(saturated(row)),
         row.reason,
     ]
 

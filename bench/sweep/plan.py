@@ -11,18 +11,23 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
+from bench.chains.catalogue import chain_named
+from bench.estimating.contenders import Contender, contenders
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
-from pipelines.chaser_fixed.options import VARIANTS
+from models.reading.options import check_option
 from renders.batches.sweep_batches import suns_in_a_batch
 from renders.scenario.scenario import RenderRequest, Scenario, check_scenario, resolve
 from renders.store.budget import budget_bytes
+from renders.world.build import world_of
 from renders.world.world import World
 
 DEFAULT_STEP_DEG = 15.0
 DEFAULT_WIDTH_PX = 1024  # a survey of hundreds of Suns; a case with fewer columns keeps its own
 DEFAULT_MEMORY_GB = 4.0
 RANGE_STEP_S = 10.0  # the range falls by 0.15 m meanwhile; within less it never rises and falls
+EXPOSURE_MS, LAMP_W_SR = (1e-4, 1e5), (1e-6, 1e6)  # as a scenario's
+MOST_MARKER_SAMPLES, MOST_MEMORY_GB = 65_536, 1e5
 TIME_DIGITS = 3  # a moment is told to the millisecond: 15 um of range
 
 
@@ -45,7 +50,7 @@ class SweepRequest:
     exposure_ms, lamp_w_sr : tuple of float, ms and W/sr
         Exposure times and lamp powers to try with every pose and Sun; the case's own if empty.
     pipeline : str
-        ``best``, ``paper`` or ``both``.
+        Label or name of a pipeline; ``both`` variants of the house's.
     width, spp, marker_samples : int, optional
     variant : str
         How Mitsuba computes: auto, llvm, cuda or scalar.
@@ -65,7 +70,7 @@ class SweepRequest:
     suns: tuple[str, ...] = ()
     exposure_ms: tuple[float, ...] = ()
     lamp_w_sr: tuple[float, ...] = ()
-    pipeline: Literal["best", "paper", "both"] = "both"
+    pipeline: str = "both"
     width: int | None = None
     spp: int | None = None
     marker_samples: int | None = None
@@ -78,14 +83,14 @@ class SweepRequest:
 
 @dataclass(frozen=True)
 class SweepPose:
-    """One moment of the approach.
+    """One moment of the motion.
 
     Attributes
     ----------
     time_s : float, s
-        Middle of the 850 nm exposure.
+        Of the frame.
     range_m : float, m
-        From the camera to the centre of the ring then.
+        From the camera to the target frame's origin then.
     """
 
     time_s: float
@@ -103,7 +108,7 @@ class SweepPlan:
         Of the case with the options given; its motion and Sun are set for each frame.
     poses : tuple of SweepPose
     suns : tuple of NamedSun
-    pipelines : tuple of str
+    pipelines : tuple of Contender
     workers : int
         Processes that expose and estimate.
     suns_in_a_pass : int
@@ -115,7 +120,7 @@ class SweepPlan:
     scenario: Scenario
     poses: tuple[SweepPose, ...]
     suns: tuple[NamedSun, ...]
-    pipelines: tuple[str, ...]
+    pipelines: tuple[Contender, ...]
     workers: int
     suns_in_a_pass: int
     store_bytes: float
@@ -137,34 +142,59 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         threads=request.threads,
     )
     scenario = resolve(asked)
-    if scenario.tumble is not None:
-        raise ScenarioError(
-            f"expected a case of image pairs to sweep, {scenario.name} gives single images of a "
-            "free target; `rvbench list` names the cases"
-        )
     if request.width is None and scenario.camera.width > DEFAULT_WIDTH_PX:
         scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
+    check_option("--marker-samples", request.marker_samples, 1, MOST_MARKER_SAMPLES, whole=True)
+    check_option("--memory-gb", request.memory_gb, 0.0, MOST_MEMORY_GB)
+    for exposure_ms in request.exposure_ms:
+        check_option("--exposure-ms", exposure_ms, *EXPOSURE_MS)
+    for lamp_w_sr in request.lamp_w_sr:
+        check_option("--lamp-w-sr", lamp_w_sr, *LAMP_W_SR)
     if request.marker_samples is not None:
-        if request.marker_samples < 1:
-            raise ScenarioError(
-                f"expected --marker-samples of at least 1, got {request.marker_samples}"
-            )
         render = scenario.render.model_copy(update={"marker_samples": request.marker_samples})
         scenario = scenario.model_copy(update={"render": render})
         check_scenario(scenario, f"{request.case} with the options given")
-    _require_positive("--exposure-ms", request.exposure_ms)
-    _require_positive("--lamp-w-sr", request.lamp_w_sr)
+    cores = os.cpu_count() or 1
     suns, store_bytes = _suns(request), budget_bytes(request.store_budget_gb)
+    world = world_of(scenario)
+    if request.lamp_w_sr and not has_lamps(world):
+        raise ScenarioError(
+            f"expected --lamp-w-sr only with lamps of the camera's own, which {scenario.name} has "
+            "not; leave it out"
+        )
     return SweepPlan(
         request=request,
         scenario=scenario,
-        poses=_poses(request, World(scenario)),
+        poses=_poses(request, world),
         suns=tuple(suns),
-        pipelines=tuple(VARIANTS) if request.pipeline == "both" else (request.pipeline,),
-        workers=request.threads or os.cpu_count() or 1,
-        suns_in_a_pass=suns_in_a_batch(scenario.simulated_camera, request.memory_gb, store_bytes),
+        pipelines=tuple(_contenders(request, world)),
+        workers=min(request.threads or cores, cores),
+        suns_in_a_pass=suns_in_a_batch(
+            world.camera, len(world.bands), request.memory_gb, store_bytes
+        ),
         store_bytes=store_bytes,
     )
+
+
+def has_lamps(world: World) -> bool:
+    """Tell whether the camera has lamps of its own, whose power a sweep can try."""
+    return any(stream.own_lamps is not None for stream in world.sensor.streams)
+
+
+def _contenders(request: SweepRequest, world: World) -> list[Contender]:
+    streams = [stream.name for stream in world.sensor.streams]
+    streams += [sensor.name for sensor in world.tables]
+    own = chain_named(world.chain).pipelines
+    if request.pipeline == "both":
+        found, _ = contenders(streams, own, foreign=False)
+    else:
+        found, _ = contenders(streams, own, (request.pipeline,))
+    if not found:
+        raise ScenarioError(
+            f"expected a pipeline for {world.scenario.name}, the house has none; give one that is "
+            "installed with --pipeline NAME"
+        )
+    return found
 
 
 def _suns(request: SweepRequest) -> list[NamedSun]:
@@ -199,8 +229,8 @@ def _poses(request: SweepRequest, world: World) -> tuple[SweepPose, ...]:
 
 
 def range_at(world: World, time_s: float) -> float:
-    """Return how far the camera is from the ring's centre, m."""
-    return float(np.linalg.norm(world.approach.cam_from_target(time_s).translation))
+    """Return how far the camera is from the target frame's origin, m."""
+    return float(np.linalg.norm(world.trajectory.cam_from_target(time_s).translation))
 
 
 def ranges_covered_m(world: World) -> tuple[float, float]:
@@ -211,7 +241,7 @@ def ranges_covered_m(world: World) -> tuple[float, float]:
 
 
 def moment_at_range(world: World, range_m: float) -> float:
-    """Return when the camera first is so far from the ring's centre, s, to the millisecond.
+    """Return when the camera first is so far from the target frame's origin, s, to the millisecond.
 
     Raises
     ------
@@ -240,9 +270,3 @@ def _clock_s(world: World) -> list[float]:
     motion = world.scenario.motion
     count = max(2, int(np.ceil((motion.end_s - motion.start_s) / RANGE_STEP_S)) + 1)
     return [float(time_s) for time_s in np.linspace(motion.start_s, motion.end_s, count)]
-
-
-def _require_positive(option: str, values: tuple[float, ...]) -> None:
-    for value in values:
-        if not 0.0 < value < np.inf:
-            raise ScenarioError(f"expected {option} above 0, got {value:g}")

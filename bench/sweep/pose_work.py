@@ -9,15 +9,15 @@ from pathlib import Path
 from bench.sweep.folder import (
     depth_path,
 )
-from bench.sweep.plan import SweepPlan, SweepPose
+from bench.sweep.plan import SweepPlan, SweepPose, has_lamps
 from bench.sweep.shots import Shot, read_shot
 from bench.sweep.table import Setting
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
-from renders.batches.render_case import Studio
+from models.onboard import OnboardKnowledge
+from renders.batches.studio import Studio
 from renders.batches.sweep_batches import PoseLight, scenario_at
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore
-from renders.world.world import BANDS, World
+from renders.world.world import World
 
 
 @dataclass(eq=False)
@@ -28,7 +28,7 @@ class PoseWork:
     ----------
     pose : SweepPose
     light : PoseLight
-    knowledge : FlightKnowledge
+    onboard : OnboardKnowledge
     settings : list of Setting
     shots : list of lists of Shot
         By Sun, then as ``settings``.
@@ -36,7 +36,7 @@ class PoseWork:
 
     pose: SweepPose
     light: PoseLight
-    knowledge: FlightKnowledge
+    onboard: OnboardKnowledge
     settings: list[Setting]
     shots: list[list[Shot]]
 
@@ -60,11 +60,11 @@ def pose_work(
     variant : str
         The full name of Mitsuba's.
     """
-    knowledge = world.knowledge(run=0)
+    onboard = world.onboard(run=0)
     keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
-    light = PoseLight(Studio(world, store, keys, knowledge.markers), plan.suns)
-    own_lamps_w_sr = plan.scenario.lamps.intensity_w_sr
-    own_ms = world.frame_entries(knowledge.prior)[0].exposure_ms
+    light = PoseLight(Studio(world, store, keys, world.target.markers), plan.suns)
+    own_lamps_w_sr = plan.scenario.lamps.intensity_w_sr if has_lamps(world) else 0.0
+    own_ms = world.frame_entries(onboard.prior)[0].exposure_ms
     settings = [
         Setting(pose.time_s, pose.range_m, exposure_ms, lamp_w_sr)
         for exposure_ms, lamp_w_sr in product(
@@ -72,7 +72,7 @@ def pose_work(
             dict.fromkeys(plan.request.lamp_w_sr or (own_lamps_w_sr,)),
         )
     ]
-    bands = BANDS if plan.scenario.needs_depth else ()
+    bands = world.bands if plan.scenario.needs_depth else ()
     depth = {band: depth_path(plan.request.out, pose, band) for band in bands}
     shots = [
         [
@@ -81,7 +81,7 @@ def pose_work(
                 store=store.folder,
                 light=light.keys(number),
                 exposure_ms=setting.exposure_ms,
-                lamp_factor=setting.lamp_w_sr / own_lamps_w_sr,
+                lamp_factor=setting.lamp_w_sr / own_lamps_w_sr if own_lamps_w_sr else 1.0,
                 pipelines=plan.pipelines,
                 depth=depth,
             )
@@ -89,4 +89,4 @@ def pose_work(
         ]
         for number, sun in enumerate(plan.suns)
     ]
-    return PoseWork(pose, light, knowledge, settings, shots)
+    return PoseWork(pose, light, onboard, settings, shots)

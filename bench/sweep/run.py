@@ -8,13 +8,16 @@ there but damaged is traced again, needed or not.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rich.console import Console
 
+from bench.chains.catalogue import chain_named
 from bench.estimating.runs import PREFERRED
-from bench.scoring.pairs.detections import visible_markers
+from bench.pictures.frame_record import pose_stood_by
+from bench.scoring.judgement import TrueScene
+from bench.scoring.limits import Limits
 from bench.sweep.folder import (
     PoseTruth,
     check_folder,
@@ -27,15 +30,16 @@ from bench.sweep.stages import Sweeper
 from bench.sweep.table import Row, Setting, judged_row
 from bench.sweep.workers import Workers
 from models.atomic_file import sweep_scratch, write_text
-from models.errors import StorageError
+from models.errors import ScenarioError, StorageError
 from models.frame import Frame
+from models.onboard import OnboardKnowledge
 from models.plain_console import plain_console
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.batches.render_case import provenance
-from renders.batches.sweep_batches import scenario_at, under
+from renders.batches.sweep_batches import scenario_at
 from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant
-from renders.world.world import World
+from renders.world.build import world_of
+from renders.world.checks import is_eclipsed
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +53,10 @@ class SweepResult:
         By setting, Sun and pipeline, in the order asked.
     shots : dict
         The shot of (setting, Sun's text).
-    knowledge : dict
+    onboard : dict
         What was on board, by the pose's moment.
-    pair : callable
-        Exposes the pair of a setting and a Sun's text again.
+    frame : callable
+        Exposes the frame of a setting and a Sun's text again.
     provenance : dict
         Versions, variant and the scenario's hash.
     """
@@ -60,8 +64,8 @@ class SweepResult:
     plan: SweepPlan
     rows: list[Row]
     shots: dict[tuple[Setting, str], Shot]
-    knowledge: dict[float, FlightKnowledge]
-    pair: Callable[[Setting, str], Frame]
+    onboard: dict[float, OnboardKnowledge]
+    frame: Callable[[Setting, str], Frame]
     provenance: dict[str, str]
 
     @property
@@ -72,7 +76,7 @@ class SweepResult:
     @property
     def map_pipeline(self) -> str:
         """The pipeline whose results the maps show."""
-        chosen = self.plan.pipelines
+        chosen = [each.label for each in self.plan.pipelines]
         return PREFERRED if PREFERRED in chosen else chosen[0]
 
 
@@ -87,7 +91,8 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
     console = console or plain_console(stderr=True)
     plan = plan_sweep(request)
     check_folder(plan)
-    worlds = [World(scenario_at(plan.scenario, pose.time_s)) for pose in plan.poses]
+    plan = _without_eclipsed(plan, console)
+    worlds = [world_of(scenario_at(plan.scenario, pose.time_s)) for pose in plan.poses]
     for world in worlds:
         world.check_poses()
     variant = choose_variant(request.variant)
@@ -112,17 +117,43 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
             for sun, shots in zip(plan.suns, work.shots, strict=True)
             for setting, shot in zip(work.settings, shots, strict=True)
         },
-        knowledge={work.pose.time_s: work.knowledge for work in works},
-        pair=sweeper.pair,
-        provenance=provenance(World(plan.scenario), variant),
+        onboard={work.pose.time_s: work.onboard for work in works},
+        frame=sweeper.frame,
+        provenance=provenance(world_of(plan.scenario), variant),
     )
+
+
+def _without_eclipsed(plan: SweepPlan, console: Console) -> SweepPlan:
+    """Leave out the Suns that the Earth hides at one of the poses."""
+    shining = tuple(
+        sun
+        for sun in plan.suns
+        if not any(
+            is_eclipsed(world_of(scenario_at(plan.scenario, pose.time_s, sun.text)))
+            for pose in plan.poses
+        )
+    )
+    if not shining:
+        raise ScenarioError(
+            f"expected a Sun that the Earth does not hide, got {len(plan.suns)} that it hides at "
+            "these poses; give others with --suns, or another --time-s"
+        )
+    if len(shining) < len(plan.suns):
+        console.print(
+            f"{len(plan.suns) - len(shining)} of {len(plan.suns)} Suns are left out: the Earth "
+            "hides them",
+            soft_wrap=True,
+        )
+    return replace(plan, suns=shining)
 
 
 def _rows(plan: SweepPlan, works: list[PoseWork], truths: list[PoseTruth]) -> list[Row]:
     rows = []
-    for work, (pose_truth, sun_lit) in zip(works, truths, strict=True):
-        camera, pattern = work.light.studio.world.camera, work.knowledge.markers
-        markers = visible_markers(pose_truth, camera, pattern)
+    for work, truth in zip(works, truths, strict=True):
+        world = work.light.studio.world
+        chain = chain_named(world.chain)
+        limits = Limits(**plan.scenario.limits.model_dump())
+        scene = TrueScene(world.camera, world.target.markers, work.onboard, limits)
         for place, setting in enumerate(work.settings):
             for number, sun in enumerate(plan.suns):
                 record = read_shot(plan.request.out, work.shots[number][place])
@@ -131,11 +162,16 @@ def _rows(plan: SweepPlan, works: list[PoseWork], truths: list[PoseTruth]) -> li
                         f"expected to read back what was just written to {plan.request.out}/shots, "
                         "got nothing or something else; run the same command again"
                     )
-                truth = under(pose_truth, sun, sun_lit[sun.text])
-                rows += [
-                    judged_row(sun, setting, name, said, truth, markers, record.saturated_percent)
-                    for name, said in record.estimates.items()
-                ]
+                was = truth[sun.text]
+                for label, said in record.estimates.items():
+                    judged = chain.judge_alone(said, was, scene)
+                    pose = pose_stood_by(said, work.onboard)
+                    along_m = (
+                        None if pose is None else pose.translation - was.cam_from_target.translation
+                    )
+                    rows.append(
+                        judged_row(sun, setting, label, judged, along_m, record.saturated_percent)
+                    )
     return rows
 
 
@@ -148,7 +184,7 @@ def about(result: SweepResult) -> dict[str, Any]:
         "samples": result.plan.scenario.render.samples,
         "marker_samples": result.plan.scenario.render.marker_samples,
         "suns": len(result.plan.suns),
-        "pipelines": list(result.plan.pipelines),
+        "pipelines": [each.label for each in result.plan.pipelines],
         "map_pipeline": result.map_pipeline,
         "provenance": result.provenance,
     }

@@ -1,8 +1,8 @@
-"""One shot of a sweep: a pair exposed from stored light, and what each pipeline says of it.
+"""One shot of a sweep: a frame exposed from stored light, and what each pipeline says of it.
 
-Shots are taken in worker processes. A pipeline gets the pair, the calibration and the prior as
-drawn; truth stays with whoever judges. No Mitsuba is loaded. What a shot came to is kept as
-``DIR/shots/KEY.json`` with ``KEY.png``, its 850 nm image small; the key is the hash of all that
+Shots are taken in worker processes. A pipeline gets the frame and what is on board as drawn; truth
+stays with whoever judges. No Mitsuba is loaded. What a shot came to is kept as
+``DIR/shots/KEY.json`` with ``KEY.png``, its last image small; the key is the hash of all that
 shaped it.
 """
 
@@ -19,27 +19,28 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.estimating.contenders import Contender
+from bench.estimating.guard import Guards
 from bench.pictures.stretch import stretch
 from models.arrays import Image, Radiance
 from models.atomic_file import write_bytes, write_text
 from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
-from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
+from models.frame import Frame, ImageReading, Reading
+from models.onboard import OnboardKnowledge, needed
 from models.reading.json_file import read_json_table
 from models.reading.regular_file import read_bytes
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
-from pipelines.chaser_fixed.pipeline import ChaserFixed, options_for
 from renders.batches.replay import read_groups
 from renders.detector.compose import compose
 from renders.scenario.scenario import Scenario
 from renders.store.radiance_store import RadianceStore
 from renders.store.sealed_exr import read_exr
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import World
+from renders.world.build import world_of
 
-SHOT_FORMAT, SHOT_VERSION = "rvbench-shot", 1
+SHOT_FORMAT, SHOT_VERSION = "rvbench-shot", 2
 THUMBNAIL_PX = 160
 RUN = 0  # whose detector noise and prior: those of `rvbench run`
 
@@ -58,8 +59,8 @@ class Shot:
     exposure_ms : float, ms
     lamp_factor : float
         Lamp power over that of the scenario.
-    pipelines : tuple of str
-        Variants to ask.
+    pipelines : tuple of Contender
+        To ask.
     depth : dict of int to Path
         Where each band's depth lies; empty for a lens that is sharp at any depth.
     """
@@ -69,7 +70,7 @@ class Shot:
     light: Mapping[int, Mapping[str, str]]
     exposure_ms: float
     lamp_factor: float
-    pipelines: tuple[str, ...]
+    pipelines: tuple[Contender, ...]
     depth: Mapping[int, Path]
 
     @cached_property
@@ -81,7 +82,7 @@ class Shot:
             "light": {str(band): dict(keys) for band, keys in self.light.items()},
             "exposure_ms": self.exposure_ms,
             "lamp_factor": self.lamp_factor,
-            "pipelines": {name: repr(options_for(name)) for name in self.pipelines},
+            "pipelines": {each.label: each.settings for each in self.pipelines},
         }
         return hashlib.sha256(json.dumps(shaping, sort_keys=True).encode()).hexdigest()
 
@@ -94,25 +95,25 @@ class ShotRecord:
     ----------
     estimates : dict of str to Estimate
         By pipeline variant.
-    saturated_percent : dict of int to float
-        Share of the pixels at the full well or the converter's end, within their noise, by band.
+    saturated_percent : dict of str to float
+        Share of the pixels at the full well or the converter's end, within their noise, by stream.
     thumbnail : (n, n) uint8 array
-        The 850 nm image, small, stretched as everywhere (``bench.pictures.stretch``).
+        The last image, small, stretched as everywhere (``bench.pictures.stretch``).
     """
 
     estimates: dict[str, Estimate]
-    saturated_percent: dict[int, float]
+    saturated_percent: dict[str, float]
     thumbnail: NDArray[np.uint8]
 
 
-def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> bool:
+def take_shots(shots: Sequence[Shot], onboard: OnboardKnowledge, out: Path) -> bool:
     """Take shots of one pose under one Sun, and keep what they came to in ``out/shots``.
 
     Parameters
     ----------
     shots : sequence of Shot
         At least one; all under the same light.
-    knowledge : FlightKnowledge
+    onboard : OnboardKnowledge
     out : Path
         The sweep's folder.
 
@@ -126,11 +127,9 @@ def take_shots(shots: Sequence[Shot], knowledge: FlightKnowledge, out: Path) -> 
         return False
     for shot in shots:
         frame = exposed(shot, light)
-        estimates = {
-            name: ChaserFixed(knowledge, options_for(name)).process(frame)
-            for name in shot.pipelines
-        }
-        _write(out, shot, frame, estimates, knowledge.detector)
+        with Guards(list(shot.pipelines), onboard, None) as guarded:
+            said = {label: one.process(frame).estimate for label, one in guarded.items()}
+        _write(out, shot, frame, said, needed(onboard.detector, "detector.toml", "a sweep"))
     return True
 
 
@@ -141,7 +140,7 @@ def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
     -------
     dict of int to dict of LightGroup to (height, width) arrays, W m-2 sr-1, or None
     """
-    world, store = World(shot.scenario), RadianceStore(shot.store)
+    world, store = world_of(shot.scenario), RadianceStore(shot.store)
     light = {}
     exposures = {exposure.band: exposure for exposure in world.exposures}
     for band, keys in shot.light.items():
@@ -153,36 +152,31 @@ def read_light(shot: Shot) -> dict[int, dict[LightGroup, Radiance]] | None:
 
 
 def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> Frame:
-    """Expose the pair: light is linear, so another lamp power is a factor.
+    """Expose the frame: light is linear, so another lamp power is a factor.
 
     Parameters
     ----------
     shot : Shot
     light : mapping of int to mapping of LightGroup to (height, width) arrays, W m-2 sr-1
-        By band, as ``read_light`` gives it.
+        By band.
     """
-    world = World(shot.scenario)
-    images: dict[int, Image] = {}
+    world = world_of(shot.scenario)
+    readings: dict[str, Reading] = {}
     for exposure in world.exposures:
-        lamps = world.lamps(exposure.band).name
+        stream = world.sensor.stream(exposure.band)
         groups = {
             group: radiance * np.float32(shot.lamp_factor)
-            if group.name == lamps and shot.lamp_factor != 1.0
+            if group == stream.own_lamps and shot.lamp_factor != 1.0
             else radiance
             for group, radiance in light[exposure.band].items()
         }
         depth_m = _depth_m(shot, exposure.band)
-        images[exposure.band] = compose(world, groups, exposure, shot.exposure_ms, RUN, depth_m)
+        image = compose(world, groups, exposure, shot.exposure_ms, RUN, depth_m)
+        readings[stream.name] = ImageReading(image, exposure.time_s, shot.exposure_ms)
     time_s = world.scenario.times_s[0]
-    gap_s = 1e-3 * shot.scenario.motion.pair_gap_ms
-    return Frame(
-        0,
-        time_s,
-        {
-            IMAGE_800: ImageReading(images[800], time_s - gap_s, shot.exposure_ms),
-            IMAGE_850: ImageReading(images[850], time_s, shot.exposure_ms),
-        },
-    )
+    for sensor in world.tables:
+        readings[sensor.name] = sensor.reading(0, time_s, -np.inf, RUN)
+    return Frame(0, time_s, readings)
 
 
 def _depth_m(shot: Shot, band: int) -> Radiance | None:
@@ -205,9 +199,10 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
         if record["key"] != shot.key:
             return None
         estimates = {
-            name: estimate_from_json(record["estimates"][name], path) for name in shot.pipelines
+            each.label: estimate_from_json(record["estimates"][each.label], path)
+            for each in shot.pipelines
         }
-        saturated = {int(band): float(x) for band, x in record["saturated_percent"].items()}
+        saturated = {str(stream): float(x) for stream, x in record["saturated_percent"].items()}
         data = np.frombuffer(read_bytes(path.with_suffix(".png")), np.uint8)
     except (DatasetError, ValueError, KeyError, TypeError):
         return None
@@ -215,6 +210,13 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
     if thumbnail is None:
         return None
     return ShotRecord(estimates, saturated, np.asarray(thumbnail, dtype=np.uint8))
+
+
+def images_of(frame: Frame) -> dict[str, Image]:
+    """Return a frame's images by stream, (height, width), DN; the last meters the exposure."""
+    return {
+        name: each.image for name, each in frame.readings.items() if isinstance(each, ImageReading)
+    }
 
 
 def picture(image: Image, detector: Detector, width_px: int | None = None) -> NDArray[np.uint8]:
@@ -260,16 +262,16 @@ def _write(
     out: Path, shot: Shot, frame: Frame, estimates: Mapping[str, Estimate], detector: Detector
 ) -> None:
     path = _path(out, shot)
-    small = picture(frame.image(IMAGE_850).image, detector, THUMBNAIL_PX)
+    images = images_of(frame)
+    small = picture(list(images.values())[-1], detector, THUMBNAIL_PX)
     write_bytes(path.with_suffix(".png"), encoded_png(small))
     full_dn = detector.saturation_dn - 3.0 * detector.read_noise_e / detector.gain_e_dn - 1.0
-    pair = {800: frame.image(IMAGE_800).image, 850: frame.image(IMAGE_850).image}
     record = {
         "format": SHOT_FORMAT,
         "key": shot.key,
         "estimates": {name: estimate_to_json(said) for name, said in estimates.items()},
         "saturated_percent": {
-            str(band): 100.0 * float((image >= full_dn).mean()) for band, image in pair.items()
+            stream: 100.0 * float((image >= full_dn).mean()) for stream, image in images.items()
         },
     }
     write_text(path, json.dumps(record) + "\n")  # last: a shot with its record is whole

@@ -50,8 +50,8 @@ class Sweeper:
         name = self.plan.scenario.name
         return Claim(name, suns, self.out, frozenset(), frozenset(self._keys()))
 
-    def pair(self, setting: Setting, sun_text: str) -> Frame:
-        """Expose a pair again, its light traced again if it has left the store."""
+    def frame(self, setting: Setting, sun_text: str) -> Frame:
+        """Expose a frame again, its light traced again if it has left the store."""
         for work in self.works:
             for number, sun in enumerate(self.plan.suns):
                 if sun.text == sun_text and setting in work.settings:
@@ -98,10 +98,10 @@ class Sweeper:
         studio = work.light.studio
         exposure = studio.world.exposures[-1]
         key = studio.keys.geometry(exposure, work.light.poses[exposure.band])
-        found = read_pose_truth(self.out, work.pose, key, self.plan.suns)
+        found = read_pose_truth(self.out, work, key)
         if found is None:
             self._load(work)
-            found = work.light.truth()
+            found = work.light.truths()
             write_pose_truth(self.out, work.pose, key, found)
         return found
 
@@ -111,9 +111,9 @@ class Sweeper:
         again = f", {damaged} of it damaged in the store" if damaged else ""
         self.console.print(
             f"{self.plan.scenario.name}: {len(self.plan.suns)} Suns, {len(self.works)} "
-            f"pose{'s' if len(self.works) > 1 else ''}, {shots} image pairs at {camera.width} x "
+            f"pose{'s' if len(self.works) > 1 else ''}, {shots} frames at {camera.width} x "
             f"{camera.height}, {self.variant}; to trace: {totals[LIGHT]} light groups{again}; "
-            f"{shots - totals[POSES]} of {shots} pairs are done already",
+            f"{shots - totals[POSES]} of {shots} frames are done already",
             soft_wrap=True,
             markup=False,
         )
@@ -192,7 +192,7 @@ class Sweeper:
     ) -> list[int]:
         """Take the shots under some Suns; return the Suns whose light was not there after all."""
         missing = {sun: shots for sun in suns if (shots := work.missing_shots(self.out, sun))}
-        tasks = [(shots, work.knowledge, self.out) for shots in missing.values()]
+        tasks = [(shots, work.onboard, self.out) for shots in missing.values()]
         lost, before = [], perf_counter()
         for number, taken in workers.run(take_shots, tasks):
             sun = list(missing)[number]
@@ -220,7 +220,7 @@ class Sweeper:
         if self.plan.request.threads is not None:
             import drjit
 
-            drjit.set_thread_count(self.plan.request.threads)
+            drjit.set_thread_count(self.plan.workers)
         studio = work.light.studio
         for other in self.works:
             if studio.scene is None and other.light.studio.scene is not None:

@@ -24,20 +24,23 @@ from numpy.typing import NDArray
 
 from bench.report.plain_text import take_literally
 from bench.report.plot import INK, STYLE
-from bench.sweep.table import VERDICTS, Row, Setting, Verdict
+from bench.sweep.sun_labels import label_offsets
+from bench.sweep.table import VERDICTS, Row, Setting, Verdict, saturated
 from models.arrays import Floats
 from models.lights.sun import SUN_CASES_DEG
 
 FRAME_COLOURS: dict[Verdict, str] = {
     "all found": "#2f7fd1",
     "some missed": "#f0a817",
+    "wrong pose": "#8d4aa8",
     "no pose": "#d0342c",
 }
-"""Blue, amber, red: three lightnesses too, for those who do not see the colours."""
+"""Blue, amber, violet, red: lightnesses too, for those who do not see the colours."""
 
 MEANINGS: dict[Verdict, str] = {
     "all found": "every marker found",
     "some missed": "pose found, markers missed",
+    "wrong pose": "wrong pose",
     "no pose": "no pose",
 }
 GROUND, MESH = "#f4f6f8", "#cfd7de"
@@ -48,6 +51,7 @@ SPHERE_DEG2 = 41_253.0
 LEAST_COVERED = 0.3  # of the sphere; where frames without overlap would cover less, rows serve
 TILE_SHARE = 0.94  # of the distance between neighbours
 ROW_OF_TILES = 8
+NAME_PT = (15.0, 10.0)  # what the name of a Sun takes
 SMALLEST = 1e-4  # mm, deg or %: what a logarithm may meet
 _OUTLINE = [withStroke(linewidth=1.8, foreground="black")]
 
@@ -131,7 +135,7 @@ def sun_map(
     rows : sequence of Row
         One for each direction, of one pipeline.
     thumbnails : sequence of (n, n) uint8 arrays
-        Their 850 nm frames.
+        Their last images.
 
     Returns
     -------
@@ -164,9 +168,11 @@ def sun_map_figure(
     low = min([tile.y_deg for tile in laid]) - half - 3.0
     high = max([tile.y_deg for tile in laid]) + half + 3.0
     if placed is not None:
-        low, high = min(low, -93.0), max(high, 93.0)
+        low, high = min(low, -93.0 - half), max(high, 93.0 + half)
     left = min(-186.0, min(tile.x_deg for tile in laid) - half - 3.0)
     right = max(186.0, max(tile.x_deg for tile in laid) + half + 3.0)
+    if placed is not None:
+        left, right = min(left, -183.0 - half), max(right, 183.0 + half)
     main_in = WIDTH_IN * (high - low) / (right - left)
     head_in, foot_in = 1.0, 4.3
     tall_in = main_in + head_in + foot_in
@@ -178,7 +184,7 @@ def sun_map_figure(
         panels: list[tuple[str, list[float | None]]] = [
             ("position error, mm", [row.position_error_mm for row in rows]),
             ("attitude error, deg", [row.attitude_error_deg for row in rows]),
-            ("saturated pixels at 850 nm, %", [row.saturated_850_percent for row in rows]),
+            ("saturated pixels, %", [saturated(row) for row in rows]),
         ]
         for column, (name, values) in enumerate(panels):
             left_in = 0.5 + 7.9 * column
@@ -200,7 +206,7 @@ def _frames(
     panel.set_aspect("equal")
     panel.axis("off")
     if on_a_sphere:
-        _graticule(panel)
+        _graticule(panel, 0.5 * laid[0].size_deg)
         _directions(panel)
     per_deg = WIDTH_IN * 72.0 / (across[1] - across[0])
     for tile in laid:
@@ -256,16 +262,27 @@ def _heading(
     )  # fmt: skip
 
 
-def _graticule(panel: Axes) -> None:
+def _graticule(panel: Axes, half_deg: float) -> None:
+    """Draw the sphere's lines, on a ground that holds every frame of half a size in full.
+
+    A frame at azimuth 180 or at a pole stands with its middle on the sphere's edge.
+    """
+    heights, edge = ground(half_deg)
+    panel.fill_betweenx(heights, -edge, edge, color=GROUND, lw=0, zorder=0)
     elevations = np.linspace(-90.0, 90.0, 181)
-    edge = 180.0 * np.cos(np.deg2rad(elevations))
-    panel.fill_betweenx(elevations, -edge, edge, color=GROUND, lw=0, zorder=0)
     for azimuth in range(-180, 181, 30):
         across = azimuth * np.cos(np.deg2rad(elevations))
         panel.plot(across, elevations, color=MESH, lw=0.8, zorder=1)
     for elevation in range(-60, 61, 30):
         reach = 180.0 * np.cos(np.deg2rad(elevation))
         panel.plot([-reach, reach], [elevation] * 2, color=MESH, lw=0.8, zorder=1)
+
+
+def ground(half_deg: float) -> tuple[Floats, Floats]:
+    """Return heights and half widths, deg, of the sphere's map grown by half a frame all around."""
+    heights = np.linspace(-90.0 - half_deg, 90.0 + half_deg, 361)
+    nearest = np.clip(np.abs(heights) - half_deg, 0.0, 90.0)
+    return heights, 180.0 * np.cos(np.deg2rad(nearest)) + half_deg
 
 
 def _directions(panel: Axes) -> None:
@@ -297,17 +314,18 @@ def _small_map(
 ) -> None:
     """Colour the directions by a number, on a logarithmic scale."""
     panel = figure.add_axes(place)
-    panel.set_xlim(-186.0, 186.0)
-    panel.set_ylim(-93.0, 93.0)
+    places = np.array([on_sphere(row.azimuth_deg, row.elevation_deg) for row in rows])
+    size = float(np.clip(0.98 * nearest_deg(places), 6.0, 30.0))
+    reach = 183.0 + 0.5 * size
+    panel.set_xlim(-reach, reach)
+    panel.set_ylim(-93.0 - 0.5 * size, 93.0 + 0.5 * size)
     panel.set_aspect("equal")
     panel.axis("off")
     panel.set_title(name, fontsize=14)
-    _graticule(panel)
+    _graticule(panel, 0.5 * size)
     there = [max(value, SMALLEST) for value in values if value is not None]
     norm = _decades(there)
     colours = mpl.colormaps["viridis"]
-    places = np.array([on_sphere(row.azimuth_deg, row.elevation_deg) for row in rows])
-    size = float(np.clip(0.98 * nearest_deg(places), 6.0, 30.0))
     for (x, y), value in zip(places, values, strict=True):
         colour = "white" if value is None else colours(norm(max(value, SMALLEST)))
         panel.add_patch(
@@ -318,18 +336,25 @@ def _small_map(
         )  # fmt: skip
         if value is None:
             panel.plot(x, y, "x", color=FRAME_COLOURS["no pose"], ms=6, mew=1.6, zorder=3)
-    for sun, (azimuth_deg, elevation_deg) in SUN_CASES_DEG.items():
-        x, y = on_sphere(azimuth_deg, elevation_deg)
-        panel.plot(x, y, "o", mfc="none", mec="white", mew=1.2, ms=4, zorder=4, clip_on=False,
-                   path_effects=_OUTLINE)  # fmt: skip
-        panel.annotate(
-            sun, (x, y), (4, 0), textcoords="offset points", fontsize=10, color="white",
-            va="center", path_effects=_OUTLINE, zorder=4,
-        )  # fmt: skip
+    per_deg = place[2] * WIDTH_IN * 72.0 / (2.0 * reach)
+    _name_suns(panel, per_deg)
     if there:
         scale = mpl.cm.ScalarMappable(norm=norm, cmap=colours)
         bar = figure.add_axes((place[0] + place[2] + 0.005, place[1], 0.008, place[3]))
         figure.colorbar(scale, cax=bar).ax.tick_params(labelsize=10)
+
+
+def _name_suns(panel: Axes, per_deg: float) -> None:
+    """Mark the Suns that have names; ``per_deg`` is how many points a degree takes."""
+    marks = np.array([on_sphere(*place) for place in SUN_CASES_DEG.values()])
+    offsets = label_offsets(marks * per_deg, NAME_PT)
+    for sun, (x, y), offset in zip(SUN_CASES_DEG, marks, offsets, strict=True):
+        panel.plot(x, y, "o", mfc="none", mec="white", mew=1.2, ms=4, zorder=4, clip_on=False,
+                   path_effects=_OUTLINE)  # fmt: skip
+        panel.annotate(
+            sun, (x, y), offset, textcoords="offset points", fontsize=10, color="white",
+            ha="center", va="center", path_effects=_OUTLINE, zorder=4,
+        )  # fmt: skip
 
 
 def _decades(values: Sequence[float]) -> LogNorm:

@@ -10,30 +10,33 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import types
 import typing
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from bench.scoring.pairs.detections import VisibleMarkers, judge
+import numpy as np
+
+from bench.scoring.judgement import Judgement
+from models.arrays import Floats
 from models.errors import DatasetError, cause
 from models.estimate import Estimate
 from models.lights.sun_grid import NamedSun
-from models.pose import pose_error
 from models.reading import csv_table
 from models.reading.bounds import MOST_PROSE
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
-from renders.truth.exposure_truth import ExposureTruth
+from models.reading.regular_file import read_lines
 
-TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 1
-HALF = 0.5
+TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 2
 LARGEST = 1e15  # of any number in the table
 MOST_COUNTED = 1_000_000
 
-Verdict: TypeAlias = Literal["all found", "some missed", "no pose"]
-VERDICTS: tuple[Verdict, ...] = ("all found", "some missed", "no pose")
+Verdict: TypeAlias = Literal["all found", "some missed", "wrong pose", "no pose"]
+VERDICTS: tuple[Verdict, ...] = ("all found", "some missed", "wrong pose", "no pose")
+SATURATED = re.compile(r"saturated_(?P<stream>[a-z][a-z0-9_]*)_percent")
 
 
 @dataclass(frozen=True)
@@ -54,19 +57,22 @@ class Row:
     pipeline : str
     verdict : str
         ``all found``: a pose, with every expected marker truly found; ``some missed``: a pose
-        without; ``no pose``.
+        without; ``wrong pose``: one beyond its covariance and the case's limits; ``no pose``.
     expected, found, mismatched, used : int
-        Markers that are truly whole, lit and in the image; those of them truly found; matches
-        that are not true; markers that the solver kept. See ``bench.scoring.pairs.detections``.
+        Markers that are truly whole, lit and in the image (or landmarks that show); those of them
+        truly found; matches that are not true; markers that the solver kept.
     in_sun : int
-        Markers that the Sun lights at least half.
+        Markers that the Sun lights at least half (or landmarks that it reaches).
     position_error_mm, attitude_error_deg : float or None, mm and deg
+    position_sigma_mm : float or None, mm
+        How far off the pipeline expects to be, 1-sigma in all three axes together: it follows from
+        the markers found and the noise measured, and not from one draw of it.
     error_x_mm, error_y_mm, error_z_mm : float or None, mm
         Along the camera's axes.
-    saturated_800_percent, saturated_850_percent : float, %
-        Of the pixels.
     reason : str
         Why there is no pose.
+    saturated_percent : dict of str to float, %
+        Of the pixels, by image stream; in a table the columns ``saturated_STREAM_percent``.
     """
 
     sun: str
@@ -86,20 +92,26 @@ class Row:
     in_sun: int
     position_error_mm: float | None
     attitude_error_deg: float | None
+    position_sigma_mm: float | None
     error_x_mm: float | None
     error_y_mm: float | None
     error_z_mm: float | None
-    saturated_800_percent: float
-    saturated_850_percent: float
     reason: str
+    saturated_percent: dict[str, float]
 
     @property
     def harshness(self) -> tuple[float, ...]:
-        """What orders rows from kind to harsh: no pose, markers missed, then the error."""
-        if self.position_error_mm is None:
-            return (1.0, float(self.expected - self.found), -float(self.used), 0.0)
+        """What orders rows from kind to harsh: no pose, a wrong one, markers missed, the error.
+
+        Of errors the one expected comes first: the error itself is one draw of noise and prior.
+        """
         missed = float(self.expected - self.found)
-        return (0.0, missed, 0.0, self.position_error_mm)
+        if self.position_error_mm is None:
+            return (2.0, missed, -float(self.used), 0.0)
+        if self.verdict == "wrong pose":
+            return (1.0, self.position_error_mm, 0.0, 0.0)
+        expected_mm = np.inf if self.position_sigma_mm is None else self.position_sigma_mm
+        return (0.0, missed, expected_mm, self.position_error_mm)
 
 
 @dataclass(frozen=True)
@@ -114,9 +126,13 @@ class Setting:
     @property
     def title(self) -> str:
         """Return it as a reader reads it."""
-        return (
-            f"{self.range_m:.2f} m, {self.exposure_ms:.3g} ms, lamps of {self.lamp_w_sr:.3g} W/sr"
-        )
+        lamps = f", lamps of {self.lamp_w_sr:.3g} W/sr" if self.lamp_w_sr else ""
+        return f"{self.range_m:.2f} m, {self.exposure_ms:.3g} ms{lamps}"
+
+
+def saturated(row: Row) -> float:
+    """Return the share of saturated pixels in the last image, %."""
+    return list(row.saturated_percent.values())[-1]
 
 
 def setting_of(row: Row) -> Setting:
@@ -128,35 +144,30 @@ def judged_row(
     sun: NamedSun,
     setting: Setting,
     pipeline: str,
-    estimate: Estimate,
-    truth: ExposureTruth,
-    markers: VisibleMarkers,
-    saturated_percent: dict[int, float],
+    judged: Judgement,
+    along_m: Floats | None,
+    saturated_percent: dict[str, float],
 ) -> Row:
-    """Hold one estimate against the truth.
+    """Return the row of one judged estimate.
 
     Parameters
     ----------
     sun : NamedSun
     setting : Setting
     pipeline : str
-    estimate : Estimate
-    truth : ExposureTruth
-        At the time of the estimate.
-    markers : VisibleMarkers
-        Which of them an image can show, under this Sun.
-    saturated_percent : dict of int to float
-        Of all pixels, at 800 and at 850 nm.
+    judged : Judgement
+    along_m : (3,) array or None, m
+        Estimate minus truth along the camera's axes.
+    saturated_percent : dict of str to float
+        Of all pixels, by image stream.
     """
-    judged = judge(estimate.detected, markers)
-    expected, found = int(markers.expected.sum()), int(markers.expected[judged.found].sum())
-    error = (
-        None
-        if estimate.pose is None
-        else pose_error(estimate.pose.cam_from_target, truth.cam_from_target)
-    )
-    along_mm = [None] * 3 if error is None else [1e3 * float(x) for x in error.position_m]
-    verdict: Verdict = "all found" if found == expected else "some missed"
+    counts = judged.counts
+    verdict: Verdict = "all found" if counts.found == counts.expected else "some missed"
+    if judged.position_m is None:
+        verdict = "no pose"
+    elif judged.wrong:
+        verdict = "wrong pose"
+    along_mm = [None] * 3 if along_m is None else [1e3 * float(x) for x in along_m]
     return Row(
         sun=sun.name,
         azimuth_deg=sun.azimuth_deg,
@@ -164,34 +175,46 @@ def judged_row(
         sun_text=sun.text,
         **asdict(setting),
         pipeline=pipeline,
-        verdict=verdict if error is not None else "no pose",
-        expected=expected,
-        found=found,
-        mismatched=int(judged.mismatch.sum()),
-        used=len(judged.solved_with),
-        in_sun=int((truth.sun_lit >= HALF).sum()),
-        position_error_mm=None
-        if error is None
-        else 1e3 * float((error.position_m @ error.position_m) ** 0.5),
-        attitude_error_deg=None if error is None else float(error.attitude_deg),
+        verdict=verdict,
+        expected=counts.expected,
+        found=counts.found,
+        mismatched=counts.mismatched,
+        used=counts.used,
+        in_sun=counts.in_sun,
+        position_error_mm=None if judged.position_m is None else 1e3 * judged.position_m,
+        attitude_error_deg=judged.attitude_deg,
+        position_sigma_mm=_sigma_mm(judged.estimate),
         error_x_mm=along_mm[0],
         error_y_mm=along_mm[1],
         error_z_mm=along_mm[2],
-        saturated_800_percent=saturated_percent[800],
-        saturated_850_percent=saturated_percent[850],
-        reason=estimate.reason or "",
+        reason=judged.estimate.reason or "",
+        saturated_percent=saturated_percent,
     )
+
+
+def _flat(row: Row) -> dict[str, Any]:
+    """Return a row by column: each stream's saturation is one."""
+    values = asdict(row)
+    saturated = values.pop("saturated_percent")
+    return {**values, **{f"saturated_{name}_percent": x for name, x in saturated.items()}}
+
+
+def _sigma_mm(estimate: Estimate) -> float | None:
+    if estimate.pose is None or estimate.pose.covariance is None:
+        return None
+    variance_m2 = float(np.trace(estimate.pose.covariance[3:, 3:]))
+    return 1e3 * variance_m2**0.5 if 0.0 <= variance_m2 < np.inf else None
 
 
 def to_csv(rows: list[Row]) -> str:
     """Return the text of ``sweep.csv``."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Row)])
-    for row in rows:
-        values = asdict(row).values()
+    flat = [_flat(row) for row in rows]
+    writer.writerow(list(flat[0]) if flat else PLAIN_COLUMNS)
+    for values in flat:
         writer.writerow(
-            ["" if x is None else repr(x) if isinstance(x, float) else x for x in values]
+            ["" if x is None else repr(x) if isinstance(x, float) else x for x in values.values()]
         )
     return text.getvalue()
 
@@ -205,8 +228,9 @@ def read_csv(path: Path) -> list[Row]:
         If it is missing, or a column or number of it is.
     """
     try:
-        columns = [field.name for field in fields(Row)]
-        return [_row(record) for record in csv_table.read_csv(path, columns)]
+        header = read_lines(path)[0].split(",") if path.is_file() else []
+        saturated = [name for name in header if SATURATED.fullmatch(name)]
+        return [_row(each) for each in csv_table.read_csv(path, [*PLAIN_COLUMNS, *saturated])]
     except DatasetError as error:
         raise DatasetError(
             f"expected the table of a sweep at {path}, got: {cause(error)}; sweep again: only what "
@@ -220,7 +244,7 @@ def to_json(rows: list[Row], about: dict[str, Any]) -> str:
         "format": TABLE_FORMAT,
         "version": TABLE_VERSION,
         **about,
-        "rows": [asdict(row) for row in rows],
+        "rows": [_flat(row) for row in rows],
     }
     return json.dumps(table, indent=1, allow_nan=False) + "\n"
 
@@ -248,8 +272,9 @@ def read_json(path: Path) -> tuple[list[Row], dict[str, Any]]:
 
 
 def _row(record: Fields) -> Row:
-    kinds = typing.get_type_hints(Row)
-    record.only(tuple(kinds))
+    kinds = {name: typing.get_type_hints(Row)[name] for name in PLAIN_COLUMNS}
+    saturated = [name for name in record if SATURATED.fullmatch(name)]
+    record.only((*kinds, *saturated))
     values: dict[str, Any] = {}
     for name, kind in kinds.items():
         options = typing.get_args(kind) if isinstance(kind, types.UnionType) else (kind,)
@@ -263,4 +288,10 @@ def _row(record: Fields) -> Row:
             values[name] = record.choice(name, VERDICTS)
         else:
             values[name] = record.text(name, MOST_PROSE)
+    values["saturated_percent"] = {
+        SATURATED.sub(r"\g<stream>", name): record.number(name, 0.0, 100.0) for name in saturated
+    }
     return Row(**values)
+
+
+PLAIN_COLUMNS = [field.name for field in fields(Row) if field.name != "saturated_percent"]

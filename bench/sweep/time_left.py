@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
+
+from models.progress_lines import LinePace, told
 
 LIGHT, POSES = "light", "poses"
 
@@ -60,28 +61,17 @@ class StageClock:
         return (self.total - self.done) * sum(spent for _, spent in telling) / pieces
 
 
-def told(seconds: float | None) -> str:
-    """Return a time as one says it: no more digits than an estimate has."""
-    if seconds is None:
-        return "not known yet"
-    if seconds < 1.0:
-        return "none"
-    if seconds < 50.0:
-        return f"about {max(5, 5 * math.ceil(seconds / 5.0))} s"
-    if seconds < 5400.0:
-        return f"about {max(1, round(seconds / 60.0))} min"
-    return f"about {seconds / 3600.0:.1f} h"
-
-
 class SweepProgress:
     """Two bars, for light and for poses, and the time left of each and in all.
 
-    Where stderr is no terminal, one line tells of each step of light.
+    Where stderr is no terminal, one line tells of each step of light, and one now and then of the
+    poses.
     """
 
     def __init__(self, console: Console, totals: dict[str, int]) -> None:
         self.console = console
         self.clocks = {name: StageClock(total) for name, total in totals.items()}
+        self._paces = {name: LinePace(total) for name, total in totals.items()}
         self._bars = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -124,7 +114,9 @@ class SweepProgress:
         self.clocks[stage].add(pieces, seconds, telling)
         self._tell()
         clock = self.clocks[stage]
-        if not self.console.is_terminal and (stage == LIGHT or clock.done == clock.total):
+        knows = len(clock.steps) > 1 or clock.done == clock.total  # the first starts processes
+        is_due = knows and self._paces[stage].due(clock.done)
+        if not self.console.is_terminal and (stage == LIGHT or is_due):
             self.console.print(
                 f"{stage}: {clock.done} of {clock.total}; left: {told(clock.left_s)}; "
                 f"in all: {told(self.left_s)}",

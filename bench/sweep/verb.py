@@ -51,8 +51,8 @@ class Sweep:
     """exposure times to try; the case's own unless given"""
     lamp_w_sr: Numbers = ()
     """powers of the 800 and 850 nm lamps to try, on axis; the exposure time does not follow them"""
-    pipeline: Literal["best", "paper", "both"] = "both"
-    """pipeline variants to try; the maps show best unless paper alone is asked for"""
+    pipeline: Annotated[str, arg(metavar="both|NAME")] = "both"
+    """pipeline to try: both variants of ours, or one by name; the maps show best if it is there"""
     width: OptionalCount = None
     """columns of the image, the field of view stays; 1024 unless given or the case has fewer"""
     spp: OptionalCount = None

@@ -119,7 +119,9 @@ class Dataset:
             The message names the file.
         """
         camera = self.onboard.camera
-        for stream in self.info.image_streams if camera is not None else ():
+        if camera is None:
+            return
+        for stream in self.info.image_streams:
             for entry in self.entries:
                 check_image_size(stream.path(self.folder, entry.index), camera)
 
@@ -155,10 +157,7 @@ class Dataset:
         return Frame(entry.index, entry.time_s, readings)
 
     def _image(self, stream: Stream, entry: FrameEntry) -> ImageReading:
-        path, camera = stream.path(self.folder, entry.index), self.onboard.camera
-        image = read_image(path)
-        if camera is not None and image.shape != (camera.height, camera.width):
-            check_image_size(path, camera)
+        image = read_image(stream.path(self.folder, entry.index), self.onboard.camera)
         return ImageReading(image, entry.time_s + stream.offset_s, entry.exposure_ms)
 
     @cached_property
@@ -180,7 +179,7 @@ class Dataset:
     def _estimated(self, stream: Stream, time_s: float) -> Estimate | None:
         """Return the last estimate of a stream that is not later than a frame."""
         said = self._estimates[stream.name]
-        place = bisect.bisect_right([each.time_s for each in said], time_s)
+        place = bisect.bisect_right(said, time_s, key=lambda each: each.time_s)
         return said[place - 1] if place else None
 
 

@@ -13,9 +13,10 @@ from typing import Any, Literal, TypeAlias
 
 from models.dataset.version1 import FORMATS as FORMATS_OF_VERSION_1
 from models.errors import DatasetError, UnreadableError
-from models.reading.bounds import MOST_FRAMES, TIME_S
+from models.reading.bounds import MOST_FRAMES, MOST_PROSE, TIME_S
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
+from models.reading.shown import shown
 
 FORMAT, VERSION = "rvbench-dataset", 2
 FILE_NAME = "dataset.json"
@@ -24,6 +25,19 @@ KINDS: tuple[Kind, ...] = ("image", "table", "estimates")
 STREAM_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 PLAIN_PATH = re.compile(r"(?!.*\.\.)[A-Za-z0-9][A-Za-z0-9_.\-/]*")
 INDEX = "{index:06d}"
+COLUMN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+OWN_COLUMNS = ("index", "time_s")
+SEALED = "truth"
+MOST_STREAMS, MOST_COLUMNS, MOST_PROVENANCE = 100, 1000, 100
+KEYS_OF_VERSION_1 = (
+    "format", "version", "case", "sun", "frames", "target", "provenance",
+)  # fmt: skip
+KEYS = (*KEYS_OF_VERSION_1, "chain", "streams", "onboard")
+EXTRA_KEYS: dict[str, tuple[str, ...]] = {
+    "image": ("offset_s",),
+    "table": ("columns",),
+    "estimates": (),
+}
 
 
 @dataclass(frozen=True)
@@ -141,17 +155,19 @@ def read_info(folder: Path) -> DatasetInfo:
             "`rvbench render` makes one"
         ) from error
     fields = Fields(table, path)
-    version = (table.get("format"), table.get("version"))
-    if version == (FORMAT, VERSION):
+    name, version = table.get("format"), table.get("version")
+    if (name, version, type(version)) == (FORMAT, VERSION, int):
+        fields.only(KEYS)
         return _info(fields, _streams(fields), _onboard(fields), fields.text("chain"))
-    if version[1] == 1 and version[0] in FORMATS_OF_VERSION_1:
-        old = FORMATS_OF_VERSION_1[version[0]]
+    old = FORMATS_OF_VERSION_1.get(name) if isinstance(name, str) else None
+    if old is not None and version == 1 and type(version) is int:
+        fields.only(KEYS_OF_VERSION_1)
         streams = tuple(Stream(**each) for each in old.streams)
         return _info(fields, streams, old.onboard, old.chain, version=1)
     known = ", ".join(FORMATS_OF_VERSION_1)
     raise DatasetError(
         f"{path}: expected format {FORMAT!r} of version {VERSION}, or version 1 of {known}, "
-        f"got {version[0]!r} of version {version[1]!r}; is it ours? render it again, or read it "
+        f"got {shown(name)} of version {shown(version)}; is it ours? render it again, or read it "
         "with the rvbench that wrote it"
     )
 
@@ -163,9 +179,7 @@ def _info(
     chain: str,
     version: int = VERSION,
 ) -> DatasetInfo:
-    provenance = fields.value("provenance")
-    if not isinstance(provenance, dict):
-        raise fields.refusal("provenance", "as a table", type(provenance).__name__)
+    provenance = fields.table("provenance")
     return DatasetInfo(
         case=fields.text("case"),
         sun=fields.text("sun"),
@@ -174,7 +188,9 @@ def _info(
         chain=chain,
         streams=streams,
         onboard=onboard,
-        provenance={str(key): str(value) for key, value in provenance.items()},
+        provenance={
+            key: provenance.text(key, MOST_PROSE) for key in provenance.names(MOST_PROVENANCE)
+        },
         version=version,
     )
 
@@ -189,39 +205,60 @@ def _stream_table(stream: Stream) -> dict[str, Any]:
 
 
 def _streams(fields: Fields) -> tuple[Stream, ...]:
-    told = fields.value("streams")
-    if not isinstance(told, dict) or not told:
+    told = fields.table("streams")
+    names = told.names(MOST_STREAMS)
+    if not names:
         raise fields.refusal("streams", "as a table with at least one stream", "none")
     streams = []
-    for name in told:
+    for name in names:
         if not STREAM_NAME.fullmatch(name):
-            raise fields.refusal("streams", "named by small letters, digits and _", repr(name))
-        own = fields.table("streams").table(name)
+            raise fields.refusal("streams", "named by small letters, digits and _", shown(name))
+        own = told.table(name)
         kind: Any = own.choice("kind", KINDS)
+        own.only(("kind", "files", *EXTRA_KEYS[kind]))
         files = own.text("files")
-        if not PLAIN_PATH.fullmatch(files.replace(INDEX, "000000")) or (
-            (kind == "image") != (INDEX in files)
-        ):
+        if not _is_public(files.replace(INDEX, "000000")) or (kind == "image") != (INDEX in files):
             raise own.refusal(
                 "files",
-                f"as a path within the dataset, with {INDEX} for images and for nothing else",
-                repr(files),
+                "as a path within the dataset's public half, "
+                f"with {INDEX} for images and for nothing else",
+                shown(files),
             )
         streams.append(
             Stream(
                 name=name,
                 kind=kind,
                 files=files,
-                columns=own.texts("columns", 1000) if kind == "table" else (),
-                offset_s=own.number("offset_s", -TIME_S[1], TIME_S[1]) if kind == "image" else 0.0,
+                columns=_columns(own) if kind == "table" else (),
+                offset_s=own.number("offset_s", *TIME_S) if kind == "image" else 0.0,
             )
         )
     return tuple(streams)
 
 
+def _columns(own: Fields) -> tuple[str, ...]:
+    columns = own.texts("columns", MOST_COLUMNS)
+    good = [each for each in columns if COLUMN_NAME.fullmatch(each) and each not in OWN_COLUMNS]
+    if not columns or len(set(good)) < len(columns):
+        raise own.refusal(
+            "columns",
+            f"as names of letters, digits and _, each once, beside {' and '.join(OWN_COLUMNS)}",
+            shown(list(columns)),
+        )
+    return columns
+
+
+def _is_public(path: str) -> bool:
+    """Tell whether a path stays in the public half: neither out of the dataset nor at truth."""
+    return bool(PLAIN_PATH.fullmatch(path)) and path.split("/")[0].lower() != SEALED
+
+
 def _onboard(fields: Fields) -> tuple[str, ...]:
     names = fields.texts("onboard", 100)
     for name in names:
-        if not PLAIN_PATH.fullmatch(name):
-            raise fields.refusal("onboard", "as paths within the dataset", repr(name))
+        if not _is_public(name):
+            expected = "as paths within the dataset's public half"
+            raise fields.refusal("onboard", expected, shown(name))
+    if len(set(names)) < len(names):
+        raise fields.refusal("onboard", "as paths, each once", shown(list(names)))
     return names

@@ -10,7 +10,7 @@ import numpy as np
 from models.arrays import Image
 from models.camera import Camera
 from models.errors import DatasetError, UnreadableError
-from models.reading.regular_file import read_bytes
+from models.reading.regular_file import read_beginning, read_bytes
 
 PNG_BEGIN, PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
 HEADER_BYTES = 33
@@ -26,20 +26,29 @@ def encode_image(image: Image) -> bytes:
     return bytes(data.tobytes())
 
 
-def read_image(path: Path) -> Image:
+def read_image(path: Path, camera: Camera | None = None) -> Image:
     """Read one 16-bit image, (height, width), DN.
+
+    Parameters
+    ----------
+    path : Path
+    camera : Camera, optional
+        That took it: it must be of its size.
 
     Raises
     ------
     DatasetError
-        If the file is missing, no regular file, truncated, or not a 16-bit single-channel PNG.
+        If the file is missing, no regular file, truncated, not a 16-bit single-channel PNG, or of
+        another size.
     """
     try:
         data = read_bytes(path, MOST_IMAGE_BYTES)
     except UnreadableError as error:
         raise DatasetError(f"expected an image at {path}, got: {error.told}; {MEND}") from error
-    whole = data.startswith(PNG_BEGIN) and data.rstrip(b"\0").endswith(PNG_END)
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if whole else None
+    whole = _size_in(data) is not None and data.rstrip(b"\0").endswith(PNG_END)
+    if whole and camera is not None:
+        _check_size(path, data, camera)
+    image = _decoded(data) if whole else None
     if image is None:
         raise DatasetError(
             f"expected a whole PNG at {path}, got {len(data)} bytes that are not; "
@@ -61,7 +70,15 @@ def check_image_size(path: Path, camera: Camera) -> None:
     ------
     DatasetError
     """
-    size = _size_in_header(path)
+    try:
+        header = read_beginning(path, HEADER_BYTES)
+    except UnreadableError as error:
+        raise DatasetError(f"expected an image at {path}, got: {error.told}; {MEND}") from error
+    _check_size(path, header, camera)
+
+
+def _check_size(path: Path, data: bytes, camera: Camera) -> None:
+    size = _size_in(data)
     if size != (camera.width, camera.height):
         told = "no PNG" if size is None else f"{size[0]} x {size[1]}"
         raise DatasetError(
@@ -70,11 +87,15 @@ def check_image_size(path: Path, camera: Camera) -> None:
         )
 
 
-def _size_in_header(path: Path) -> tuple[int, int] | None:
-    if not path.is_file():
+def _size_in(data: bytes) -> tuple[int, int] | None:
+    """Return the width and height that a PNG says it has; None if it is no PNG."""
+    if len(data) < HEADER_BYTES or not data.startswith(PNG_BEGIN):
         return None
-    with path.open("rb") as file:
-        header = file.read(HEADER_BYTES)
-    if len(header) < HEADER_BYTES or not header.startswith(PNG_BEGIN):
+    return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+
+
+def _decoded(data: bytes) -> Image | None:
+    try:
+        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # a size beyond all that OpenCV takes
         return None
-    return int.from_bytes(header[16:20], "big"), int.from_bytes(header[20:24], "big")

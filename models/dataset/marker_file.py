@@ -17,6 +17,7 @@ from models.reading.toml_file import read_toml
 MOST_MARKERS = 1000
 LEAST_MARKERS = 3  # six unknowns, two numbers a marker
 LARGEST_RADIUS_M = 10.0
+KINDS = ("retroreflector",)
 
 
 def markers_to_toml(markers: MarkerPattern) -> str:
@@ -47,11 +48,17 @@ def read_markers(path: Path) -> MarkerPattern:
         If a key is missing, a value cannot be, or no pose could ever be found from the markers:
         fewer than three, two in one place, or all on one line.
     """
-    fields = Fields(read_toml(path), path)
+    return markers_of(Fields(read_toml(path), path))
+
+
+def markers_of(fields: Fields) -> MarkerPattern:
+    """Return the markers of a table that was read, from wherever; see ``read_markers``."""
     fields.only(("radius_m", "marker"))
     rows = fields.tables("marker", MOST_MARKERS)
     for row in rows:
-        row.only(("name", "point_in_target_m", "normal_in_target"))
+        row.only(("name", "point_in_target_m", "normal_in_target"), ("kind",))
+        if "kind" in row and row.text("kind") not in KINDS:
+            raise row.refusal("kind", f"as {KINDS[0]}, the one kind there is yet", row.text("kind"))
     radius_m = fields.number("radius_m", 0.0, LARGEST_RADIUS_M, above=0.0)
     points = np.array([row.vector("point_in_target_m", 3, *LENGTH_M) for row in rows])
     normals = np.array([row.vector("normal_in_target", 3, -2.0, 2.0) for row in rows])
@@ -63,11 +70,11 @@ def read_markers(path: Path) -> MarkerPattern:
             radius_m=radius_m,
         )
     except ValueError as error:
-        raise DatasetError(f"{path}: {error}") from error
+        raise DatasetError(f"{fields.where}: {error}") from error
     if useless := _useless(markers):
         raise DatasetError(
-            f"{path}: expected markers from which a pose can be found, at least {LEAST_MARKERS}, "
-            f"apart and not on one line; {useless}"
+            f"{fields.where}: expected markers from which a pose can be found, at least "
+            f"{LEAST_MARKERS}, apart and not on one line; {useless}"
         )
     return markers
 

@@ -37,6 +37,7 @@ CAMERA, DETECTOR, OPTICS, MARKERS = "camera.toml", "detector.toml", "optics.toml
 PRIOR, WIREFRAME, EXPECTATIONS = "prior.toml", "wireframe.json", "knowledge.toml"
 SIGMAS = "sigmas.toml"
 LARGEST_INERTIA_KG_M2 = 1e9
+MOST_SIGMAS = 1000
 KNOWN = (CAMERA, DETECTOR, OPTICS, MARKERS, PRIOR, WIREFRAME, EXPECTATIONS, SIGMAS)
 
 
@@ -92,7 +93,7 @@ def read_onboard(
         if name not in names:
             return None
         own = None if run_folder is None else run_folder / name
-        return own if own is not None and own.is_file() else folder / name
+        return own if own is not None and own.exists() else folder / name
 
     camera, detector = path(CAMERA), path(DETECTOR)
     optics, sigmas, markers, prior = path(OPTICS), path(SIGMAS), path(MARKERS), path(PRIOR)
@@ -104,9 +105,7 @@ def read_onboard(
         prior=None if prior is None else read_prior(prior),
         wireframe=None if wireframe is None else read_wireframe(wireframe),
         expectations=None if expectations is None else read_expectations(expectations),
-        psf_sigma_px=None
-        if optics is None
-        else Fields(read_toml(optics), optics).number("psf_sigma_px", *SIGMA_PX),
+        psf_sigma_px=None if optics is None else _psf_sigma_px(optics),
         sigmas={} if sigmas is None else _sigmas(sigmas),
         tables={name: _other(path(name), name, folder) for name in names if name not in KNOWN},
     )
@@ -166,4 +165,10 @@ def read_expectations(path: Path) -> FlightExpectations:
 
 def _sigmas(path: Path) -> dict[str, float]:
     fields = Fields(read_toml(path), path)
-    return {key: fields.number(key, 0.0, ORBIT_M[1]) for key in read_toml(path)}
+    return {key: fields.number(key, 0.0, ORBIT_M[1]) for key in fields.names(MOST_SIGMAS)}
+
+
+def _psf_sigma_px(path: Path) -> float:
+    fields = Fields(read_toml(path), path)
+    fields.only(("psf_sigma_px",))
+    return fields.number("psf_sigma_px", *SIGMA_PX)

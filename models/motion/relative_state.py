@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import Floats
+from models.errors import DatasetError
 from models.estimate import Estimate, NamedState
 from models.frame import TableReading
 from models.pose import RigidTransform
@@ -19,6 +20,20 @@ Their covariances are of (rho, rho_dot) in the local frame, m and m/s (for an H-
 bound, not a covariance), and of (small turn, omega) in the target frame, rad and rad/s:
 ``R_true = R exp([turn]x)``.
 """
+STATE_SIZE = 6
+SHAPES: dict[str, dict[str, tuple[int, ...]]] = {
+    TRANSLATION: {"rho_in_lvlh_m": (3,), "rho_dot_in_lvlh_m_s": (3,)},
+    ROTATION: {
+        "R_lvlh_from_target": (3, 3),
+        "omega_target_wrt_lvlh_in_target_rad_s": (3,),
+    },
+}
+
+STATE_SHAPES: dict[str, dict[str, tuple[int, ...]]] = {
+    TRANSLATION: {"rho_in_lvlh_m": (3,), "rho_dot_in_lvlh_m_s": (3,)},
+    ROTATION: {"R_lvlh_from_target": (3, 3), "omega_target_wrt_lvlh_in_target_rad_s": (3,)},
+}
+STATE_COVARIANCE_SHAPE = (6, 6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,16 +97,33 @@ class RelativeState:
 
 
 def relative_state(estimate: Estimate) -> RelativeState | None:
-    """Return the relative motion that an estimate tells, or None."""
+    """Return the relative motion that an estimate tells, or None.
+
+    Raises
+    ------
+    DatasetError
+        If it has states of these names that are something else.
+    """
     if TRANSLATION not in estimate.states or ROTATION not in estimate.states:
         return None
-    place, turn = estimate.states[TRANSLATION].values, estimate.states[ROTATION].values
-    return RelativeState(
-        estimate.time_s,
-        place["rho_in_lvlh_m"],
-        place["rho_dot_in_lvlh_m_s"],
-        turn["R_lvlh_from_target"],
-        turn["omega_target_wrt_lvlh_in_target_rad_s"],
+    found = []
+    for name, shapes in SHAPES.items():
+        state = estimate.states[name]
+        for key, shape in shapes.items():
+            value = state.values.get(key)
+            if value is None or value.shape != shape:
+                came = "none" if value is None else f"one of shape {value.shape}"
+                raise _refused(estimate, f"{name}.values.{key} of shape {shape}, got {came}")
+            found.append(value)
+        if state.covariance is not None and state.covariance.shape != (STATE_SIZE, STATE_SIZE):
+            came = f"one of shape {state.covariance.shape}"
+            raise _refused(estimate, f"{name}.covariance of shape {(STATE_SIZE,) * 2}, got {came}")
+    return RelativeState(estimate.time_s, *found)
+
+
+def _refused(estimate: Estimate, told: str) -> DatasetError:
+    return DatasetError(
+        f"frame {estimate.frame}: expected the state {told}; estimate again, or name it otherwise"
     )
 
 

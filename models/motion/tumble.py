@@ -65,7 +65,8 @@ class Tumble:
             value = getattr(self, name)
             if value.shape != (3,) or not np.isfinite(value).all():
                 raise ValueError(f"expected three finite numbers as {name}, got {value}")
-        RigidTransform(self.R_lvlh_from_target, self.rho0_in_lvlh)  # refuses what is no rotation
+        exact = RigidTransform(self.R_lvlh_from_target, self.rho0_in_lvlh).rotation
+        object.__setattr__(self, "R_lvlh_from_target", exact)
 
     @classmethod
     def from_case(

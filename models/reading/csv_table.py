@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from models.errors import UnreadableError
@@ -68,24 +68,47 @@ def read_csv(
         If it is no regular file, too large, no UTF-8, without that header, or has a row of another
         length.
     """
-    reader = csv.reader(read_lines(path, most_bytes, MOST_ROW_CHARACTERS), strict=True)
+    return csv_rows(read_lines(path, most_bytes, MOST_ROW_CHARACTERS), path, columns, optional)
+
+
+def csv_rows(
+    lines: Iterable[str],
+    where: Path | str,
+    columns: Sequence[str],
+    optional: Collection[str] = (),
+) -> list[CsvRow]:
+    """Return the rows of a table whose lines are at hand, its header first; see ``read_csv``.
+
+    Parameters
+    ----------
+    lines : iterable of str
+    where : Path or str
+        Where they stand, for messages.
+    columns, optional : collections of str
+
+    Raises
+    ------
+    UnreadableError
+        If the header is another, or a row is of another length.
+    """
+    reader = csv.reader(lines, strict=True)
     try:
         header = next(reader, [])
-        _check_header(path, header, columns, optional)
+        _check_header(where, header, columns, optional)
         rows = []
         for cells in reader:
             if len(cells) != len(header):
                 raise UnreadableError(
-                    path, f"expected {len(header)} cells, got {len(cells)}", reader.line_num
+                    where, f"expected {len(header)} cells, got {len(cells)}", reader.line_num
                 )
-            rows.append(CsvRow(dict(zip(header, cells, strict=True)), f"{path}:{reader.line_num}"))
+            rows.append(CsvRow(dict(zip(header, cells, strict=True)), f"{where}:{reader.line_num}"))
     except csv.Error as error:
-        raise UnreadableError(path, shown_line(str(error)), reader.line_num) from error
+        raise UnreadableError(where, shown_line(str(error)), reader.line_num) from error
     return rows
 
 
 def _check_header(
-    path: Path, header: Sequence[str], columns: Sequence[str], optional: Collection[str]
+    where: Path | str, header: Sequence[str], columns: Sequence[str], optional: Collection[str]
 ) -> None:
     missing = [name for name in columns if name not in header]
     known = {*columns, *optional}
@@ -93,7 +116,7 @@ def _check_header(
     twice = [name for name in known if header.count(name) > 1]
     if missing or unknown or twice:
         raise UnreadableError(
-            path,
+            where,
             f"expected the columns {', '.join(columns)}; missing: {', '.join(missing) or 'none'}; "
             f"unknown: {', '.join(unknown[:10]) or 'none'}; twice: {', '.join(twice) or 'none'}",
             1,

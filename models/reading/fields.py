@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -45,6 +45,9 @@ class Fields:
             raise DatasetError(f"{where}: expected {name} with keys and values, got {shown(table)}")
         self._table = table
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._table)
+
     def __contains__(self, key: object) -> bool:
         return key in self._table
 
@@ -63,6 +66,21 @@ class Fields:
                 f"{self.where}: expected the keys {', '.join(sorted(known))}{where}; "
                 f"unknown: {', '.join(unknown) or 'none'}; missing: {', '.join(missing) or 'none'}"
             )
+
+    def names(self, most: int, most_characters: int = MOST_NAME) -> tuple[str, ...]:
+        """Return all keys, where they may be any: printable, and not too many or too long."""
+        name = self._within.rstrip(".") or "the table"
+        if len(self._table) > most:
+            raise DatasetError(
+                f"{self.where}: expected {name} with up to {most} keys, got {len(self._table)}"
+            )
+        for key in self._table:
+            if not (0 < len(key) <= most_characters and key.isprintable()):
+                raise DatasetError(
+                    f"{self.where}: expected the keys of {name} as printable text of 1 to "
+                    f"{most_characters} characters, got {shown(key)}"
+                )
+        return tuple(self._table)
 
     def value(self, key: str) -> Any:
         """Return a value as it came."""
@@ -168,6 +186,23 @@ class Fields:
                 expected = f"as numbers {_between(low, high, None, '')}"
                 raise self.refusal(key, expected, shown(item))
         sides = [-1 if side is None else side for side in shape]
+        return np.array(rows, dtype=np.float64).reshape(sides)
+
+    def array(self, key: str, low: float, high: float, most: int = MOST_ITEMS) -> Floats:
+        """Return numbers nested in lists, of any shape in which every depth has one length."""
+        rows: list[Any] = [self.value(key)]
+        sides: list[int] = []
+        while rows and all(isinstance(row, list) for row in rows):
+            lengths = {len(row) for row in rows}
+            if len(lengths) > 1 or len(rows) * max(lengths) > most:
+                what = f"as up to {most} numbers in lists of one length"
+                raise self.refusal(key, what, shown(self.value(key)))
+            sides.append(lengths.pop())
+            rows = list(chain.from_iterable(rows))
+        for item in rows:
+            if type(item) not in (int, float) or not low <= item <= high:
+                expected = f"as numbers {_between(low, high, None, '')}"
+                raise self.refusal(key, expected, shown(item))
         return np.array(rows, dtype=np.float64).reshape(sides)
 
     def rotation(self, key: str) -> Floats:

@@ -29,20 +29,31 @@ def read_bytes(path: Path, most_bytes: int = MOST_TABLE_BYTES) -> bytes:
     UnreadableError
         If it is missing, no regular file (it is not opened then), or larger than ``most_bytes``.
     """
-    try:
-        _refuse_other_kinds(path, os.stat(path).st_mode)
-        flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-        with open(os.open(path, flags), "rb") as file:
-            _refuse_other_kinds(path, os.fstat(file.fileno()).st_mode)
-            data = file.read(most_bytes + 1)
-    except (OSError, ValueError) as error:  # a ValueError is a NUL in the path
-        raise UnreadableError(path, cause(error)) from error
+    data = read_beginning(path, most_bytes + 1)
     if len(data) > most_bytes:
         raise UnreadableError(
             path,
             f"more than {most_bytes / MEGABYTE:g} MB, the most that a file of this kind may have",
         )
     return data
+
+
+def read_beginning(path: Path, count: int) -> bytes:
+    """Read up to so many bytes from the beginning of a regular file, or of a link to one.
+
+    Raises
+    ------
+    UnreadableError
+        If it is missing, or no regular file (it is not opened then).
+    """
+    try:
+        _refuse_other_kinds(path, os.stat(path).st_mode)
+        flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+        with open(os.open(path, flags), "rb") as file:
+            _refuse_other_kinds(path, os.fstat(file.fileno()).st_mode)
+            return file.read(count)
+    except (OSError, ValueError) as error:  # a ValueError is a NUL in the path
+        raise UnreadableError(path, cause(error)) from error
 
 
 def read_text(path: Path, most_bytes: int = MOST_TABLE_BYTES) -> str:

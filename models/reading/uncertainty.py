@@ -20,6 +20,8 @@ def exact_rotation(matrix: Floats) -> Floats:
     ValueError
         If it is none; the message says by how much.
     """
+    if matrix.shape != (3, 3):
+        raise ValueError(f"one of shape {matrix.shape}")
     defect = float(np.abs(matrix @ matrix.T - np.eye(3)).max())
     determinant = float(np.linalg.det(matrix)) if np.isfinite(defect) else np.nan
     if not (defect <= ORTHONORMAL_TOLERANCE and determinant > 0.0):
@@ -41,6 +43,8 @@ def exact_covariance(matrix: Floats) -> Floats:
         If a value is not finite, it is not symmetric, or a variance of any combination is below
         zero.
     """
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+        raise ValueError(f"one of shape {matrix.shape}, which is not square")
     if not np.isfinite(matrix).all():
         raise ValueError("one that is not finite")
     variances = np.diag(matrix)

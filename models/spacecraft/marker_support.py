@@ -26,6 +26,7 @@ from models.spacecraft.solids import (
     tube,
 )
 
+SUPPORTS = "marker_supports"
 FACE_PROUD_M = 0.001
 PLATE_M = 0.004
 PLATE_RADIUS_M = 0.045
@@ -44,7 +45,7 @@ def marker_support_parts(markers: MarkerPattern) -> tuple[Part, ...]:
             markers.points_in_target, markers.normals_in_target, widths, strict=True
         )
     ]
-    return (Part("marker_supports", joined(supports), "black_paint"),)
+    return (Part(SUPPORTS, joined(supports), "black_paint"),)
 
 
 def plate_radii(markers: MarkerPattern) -> Floats:

@@ -16,15 +16,18 @@ from pathlib import Path
 
 import numpy as np
 
-from models.errors import DatasetError
+from models.arrays import Indices
+from models.errors import DatasetError, cause
 from models.reading.bounds import LENGTH_M
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
 from models.reading.shown import shown
+from models.reading.uncertainty import exact_rotation
 from models.wireframe.wireframe import Wireframe
 
-MOST_LANDMARKS = 100_000
-MOST_SYMMETRIES = 1000
+MOST_BYTES = 256_000_000
+MOST_LANDMARKS, MOST_EDGES = 100_000, 1_000_000
+MOST_TRIANGLES, MOST_SYMMETRIES = 1_000_000, 1000
 
 
 def wireframe_to_json(wireframe: Wireframe) -> str:
@@ -53,34 +56,44 @@ def read_wireframe(path: Path) -> Wireframe:
         If it is missing, no JSON, lacks a key, or describes no wireframe.
     """
     try:
-        return _wireframe(Fields(read_json_table(path), path))
+        return _wireframe(Fields(read_json_table(path, MOST_BYTES), path))
     except (DatasetError, ValueError) as error:
-        said = str(error).removeprefix(f"{path}: ")
         raise DatasetError(
             f"expected a wireframe at {path} with name, landmarks (name, point_in_target_m, "
             "appendage), edges (two names each), triangles_in_target_m and symmetries; "
-            f"got: {said}"
+            f"got: {cause(error)}"
         ) from error
 
 
-def _wireframe(table: Fields) -> Wireframe:
-    landmarks = table.tables("landmarks", MOST_LANDMARKS)
+def _wireframe(fields: Fields) -> Wireframe:
+    fields.only(("name", "landmarks", "edges", "triangles_in_target_m", "symmetries"))
+    landmarks = fields.tables("landmarks", MOST_LANDMARKS)
+    for row in landmarks:
+        row.only(("name", "point_in_target_m", "appendage"))
     names = tuple(row.text("name") for row in landmarks)
+    points = [row.vector("point_in_target_m", 3, *LENGTH_M) for row in landmarks]
+    turns = fields.numbers("symmetries", (None, 3, 3), -2.0, 2.0, MOST_SYMMETRIES)
+    return Wireframe(
+        name=fields.text("name"),
+        landmark_names=names,
+        points_in_target=np.array(points, dtype=np.float64).reshape(-1, 3),
+        appendage=np.array([row.flag("appendage") for row in landmarks], dtype=np.bool_),
+        edges=_edges(fields, names),
+        triangles_in_target=fields.numbers(
+            "triangles_in_target_m", (None, 3, 3), *LENGTH_M, MOST_TRIANGLES
+        ),
+        symmetries=tuple(exact_rotation(turn) for turn in turns),
+    )
+
+
+def _edges(fields: Fields, names: tuple[str, ...]) -> Indices:
     number = {name: index for index, name in enumerate(names)}
     edges = []
-    for ends in table.items("edges"):
-        joined = [number.get(str(end)) for end in ends] if isinstance(ends, list) else []
-        if len(joined) != 2 or None in joined:
-            raise table.refusal("edges", "as two names of landmarks each", shown(ends))
-        edges.append(joined)
-    return Wireframe(
-        name=table.text("name"),
-        landmark_names=names,
-        points_in_target=np.array(
-            [row.vector("point_in_target_m", 3, *LENGTH_M) for row in landmarks]
-        ).reshape(-1, 3),
-        appendage=np.array([row.flag("appendage") for row in landmarks], dtype=np.bool_),
-        edges=np.array(edges, dtype=np.int64).reshape(-1, 2),
-        triangles_in_target=table.numbers("triangles_in_target_m", (None, 3, 3), *LENGTH_M),
-        symmetries=tuple(table.numbers("symmetries", (None, 3, 3), -1.1, 1.1, MOST_SYMMETRIES)),
-    )
+    for ends in fields.items("edges", MOST_EDGES):
+        if not isinstance(ends, list) or len(ends) != 2:
+            raise fields.refusal("edges", "as pairs of landmarks' names", shown(ends))
+        for end in ends:
+            if not isinstance(end, str) or end not in number:
+                raise fields.refusal("edges", "between landmarks by their names", shown(end))
+        edges.append([number[end] for end in ends])
+    return np.array(edges, dtype=np.int64).reshape(-1, 2)

@@ -51,6 +51,7 @@ __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
 COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
 MOST_GROWTH = 4.0
+FARTHEST_M = 1e6  # beyond it no marker is a pixel, in any camera
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ class ChaserFixed:
             )
         solution = sighting.outcome
         if self._options.centroiding == "disc_fit":
-            solution = self._refined(pair, frame.time_s, solution)
+            solution = self._refined(pair, frame.time_s, solution, predicted)
         self._motion.found(frame.time_s, solution.pose, solution.covariance)
         return Estimate(
             frame=frame.index,
@@ -127,6 +128,10 @@ class ChaserFixed:
     # Where to look, and for what.
 
     def _look(self, pair: ImagePair, predicted: PredictedPose) -> _Sighting:
+        depth_m = float(predicted.pose.translation[2])
+        if not self._markers.radius_m < depth_m < FARTHEST_M:
+            reason = f"the predicted target is {depth_m:.3g} m ahead of the camera, out of sight"
+            return _Sighting(Candidates.none(), reason)
         if self._options.threshold_rule != "per_blob":
             return self._look_by_global_threshold(pair, predicted)
         markers = predict_markers(self._camera, self._markers, predicted)
@@ -157,7 +162,7 @@ class ChaserFixed:
             matched = one_to_one(gap**2 / gate**2, gap < gate)
         sigma = self._options.centroid_sigma_px
         match = self._match(candidates, matched, sigma)
-        return _Sighting(candidates, self._solved(match, predicted.pose, radius))
+        return _Sighting(candidates, self._solved(match, predicted.pose, radius, predicted))
 
     def _look_in(
         self,
@@ -174,7 +179,8 @@ class ChaserFixed:
         allowed = near | (cost < self._options.region_sigmas**2)
         matched = one_to_one(cost, allowed)
         match = self._match(candidates, matched, sigma)
-        outcome = self._plausible(self._solved(match, predicted.pose, radius), predicted)
+        outcome = self._solved(match, predicted.pose, radius, predicted)
+        outcome = self._plausible(outcome, predicted)
         if isinstance(outcome, str) and self._options.verify and len(candidates) >= 4:
             proposed = propose_match(
                 self._camera, self._markers, points, allowed, predicted, max(3.0, 0.5 * radius)
@@ -182,13 +188,18 @@ class ChaserFixed:
             if proposed is not None:
                 pose, voted = proposed
                 match = self._match(candidates, voted, sigma)
-                outcome = self._plausible(self._solved(match, pose, radius), predicted)
+                outcome = self._solved(match, pose, radius, predicted)
+                outcome = self._plausible(outcome, predicted)
         return _Sighting(candidates, outcome)
 
     # From matches to a pose.
 
-    def _solved(self, match: Match, start: RigidTransform, radius_px: float) -> Solution | str:
-        return solve_match(self._camera, self._markers, match, start, radius_px, self._options)
+    def _solved(
+        self, match: Match, start: RigidTransform, radius_px: float, predicted: PredictedPose
+    ) -> Solution | str:
+        return solve_match(
+            self._camera, self._markers, match, start, radius_px, self._options, predicted
+        )
 
     def _plausible(self, outcome: Solution | str, predicted: PredictedPose) -> Solution | str:
         """Refuse a pose far from the prediction that has next to no match to spare."""
@@ -198,7 +209,9 @@ class ChaserFixed:
             return outcome
         return f"{int(outcome.used.sum())} matched markers give a pose far from the predicted one"
 
-    def _refined(self, pair: ImagePair, time_s: float, coarse: Solution) -> Solution:
+    def _refined(
+        self, pair: ImagePair, time_s: float, coarse: Solution, predicted: PredictedPose
+    ) -> Solution:
         """Fit the discs and solve again; where too few can be fitted, the coarse pose stands."""
         before = self._motion.shortly_before(time_s, coarse.pose, self._options.pair_gap_s)
         fitted = fit_markers(
@@ -213,7 +226,7 @@ class ChaserFixed:
         )
         range_m = float(np.linalg.norm(coarse.pose.translation))
         radius = expected_radius_px(self._markers.radius_m, range_m, self._focal_px)
-        refined = self._solved(fitted.match, coarse.pose, radius)
+        refined = self._solved(fitted.match, coarse.pose, radius, predicted)
         if isinstance(refined, str):
             return coarse
         self._blur = ExpectedBlur(

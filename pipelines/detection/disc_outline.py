@@ -27,13 +27,13 @@ class DiscOutlines:
     Attributes
     ----------
     centres_px : (n, 2) array, px
-        Projections of the discs' centres; NaN where not in front of the camera or facing away.
+        Projections of the discs' centres; NaN where the disc does not face the camera.
     area_centres_px : (n, 2) array, px
         Centres of area of the outlines: where an unbiased blob centroid falls.
     shapes_px2 : (n, 2, 2) array, px^2
         ``S`` of the ellipses ``d^T S^-1 d = 1``.
     facing : (n,) array of bool
-        Whether the disc faces the camera, in front of it.
+        Whether the disc faces the camera, in front of it and within the lens's fold.
     """
 
     centres_px: Floats
@@ -108,6 +108,8 @@ def disc_outlines(
     if not facing.any():
         return DiscOutlines(nowhere, nowhere, np.full((count, 2, 2), np.nan), facing)
     rim[~facing] = np.nan
+    rim_px = camera.project(rim)
+    facing = np.asarray(np.isfinite(rim_px).all(axis=(1, 2)))
     centres = np.where(facing[:, None], centres, np.nan)
-    area_centres, moments = _polygon_moments(camera.project(rim))
+    area_centres, moments = _polygon_moments(rim_px)
     return DiscOutlines(camera.project(centres), area_centres, 4.0 * moments, facing)

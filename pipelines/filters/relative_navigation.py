@@ -16,6 +16,8 @@ from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
 from pipelines.filters import h_infinity, kalman, minimum_energy, multiplicative_ekf
+from pipelines.filters.covariance_fault import covariance_fault, positive
+from pipelines.filters.minimum_energy import NoMinimumEnergy
 from pipelines.filters.multiplicative_ekf import RotationUpdate
 from pipelines.filters.navigation_options import NavigationOptions
 from pipelines.filters.rotation_process import RotationProcess
@@ -152,7 +154,16 @@ class RelativeNavigation:
         return self._filtered()
 
     def start_from_pose(self, found: Estimate, chaser: ChaserState) -> FilteredState:
-        """Begin, or begin again, from a pose alone; the rates are unknown and taken as none."""
+        """Begin, or begin again, from a pose alone; the rates are unknown and taken as none.
+
+        Raises
+        ------
+        ValueError
+            If the pose has no covariance to speak of: see ``covariance_fault``.
+        """
+        fault = _fault(found)
+        if fault:
+            raise ValueError(f"expected a pose to start from, got one with {fault}")
         place, place_noise, attitude, turn_noise = self._measured(found)
         option = self._options
         translation = _diagonal(0.0, option.start_sigma_m_s)
@@ -180,7 +191,7 @@ class RelativeNavigation:
             If time runs backwards, or nothing was started.
         """
         now = self._now()
-        if time_s < self._time_s - SAME_TIME_S:
+        if not time_s >= self._time_s - SAME_TIME_S:
             raise ValueError(
                 f"expected a time from {self._time_s} s on, got {time_s}: frames go forward in time"
             )
@@ -208,24 +219,32 @@ class RelativeNavigation:
     def update(self, found: Estimate) -> FilteredState:
         """Take in a pose of the time predicted to, if it agrees with the prediction.
 
+        A pose refused, or one whose covariance is none, leaves the state as it was; ``reason``
+        says why.
+
         Raises
         ------
         ValueError
             If the pose is of another time, or nothing was started.
         """
         now = self._now()
-        if abs(found.time_s - self._time_s) > SAME_TIME_S:
+        if not abs(found.time_s - self._time_s) <= SAME_TIME_S:
             raise ValueError(
                 f"expected a pose of {self._time_s} s, to which the filters were predicted, got "
                 f"one of {found.time_s} s: predict first"
             )
+        fault = _fault(found)
+        if fault:
+            return self._refused(f"the pose has {fault}")
         place, place_noise, attitude, turn_noise = self._measured(found)
         moved, remark = self._translation_update(now, place, place_noise)
         turned = self._rotation_update(attitude, turn_noise)
         gate = self._options.gate
-        if turned is None:
-            remark = "attitude a right angle or more from the predicted one"
-        elif gate and max(moved.nis, turned.nis) > gate:
+        if isinstance(turned, NoMinimumEnergy):
+            return self._refused(turned.reason, moved.nis)
+        if not (positive(moved.covariance) and positive(turned.state.covariance)):
+            remark = "the covariance after it would not be positive"
+        elif gate and not max(moved.nis, turned.nis) <= gate:
             remark = (
                 f"innovation squared {moved.nis:.1f} in position and {turned.nis:.1f} in attitude, "
                 f"above {gate:.1f}"
@@ -235,8 +254,16 @@ class RelativeNavigation:
             self._rotation = turned.state
             self._last_pose_s, self._refused_in_row = self._time_s, 0
             return self._filtered(True, remark, moved.nis, turned.nis)
+        return self._refused(remark, moved.nis, turned.nis)
+
+    def _refused(
+        self,
+        reason: str,
+        translation_nis: float | None = None,
+        rotation_nis: float | None = None,
+    ) -> FilteredState:
         self._refused_in_row += 1
-        return self._filtered(False, remark, moved.nis, None if turned is None else turned.nis)
+        return self._filtered(False, reason, translation_nis, rotation_nis)
 
     def _translation_update(
         self, now: Floats, place: Floats, noise: Floats
@@ -258,7 +285,7 @@ class RelativeNavigation:
         plain = kalman.update(now, self._translation_covariance, place, seen, noise)
         return plain, f"Kalman for once: {found.reason}"
 
-    def _rotation_update(self, attitude: Floats, noise: Floats) -> RotationUpdate | None:
+    def _rotation_update(self, attitude: Floats, noise: Floats) -> RotationUpdate | NoMinimumEnergy:
         if self._options.rotation == "mekf":
             return multiplicative_ekf.update(self._rotation, attitude, noise)
         return minimum_energy.update(self._rotation, attitude, noise)
@@ -307,6 +334,11 @@ class RelativeNavigation:
             self._refused_in_row,
             self._time_s - self._last_pose_s,
         )
+
+
+def _fault(found: Estimate) -> str:
+    """Say what is wrong with the covariance of an estimate's pose; empty where nothing is."""
+    return covariance_fault(None if found.pose is None else found.pose.covariance)
 
 
 def _diagonal(first: float, second: float) -> Floats:

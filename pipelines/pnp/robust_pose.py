@@ -13,9 +13,12 @@ from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.consistency import common_variance_px2, find_outliers
 from pipelines.pnp.covariance import pose_covariance, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose
+from pipelines.pnp.mirrored_pose import DECISIVE_CHI2, mirrored_pose, misfit, rival_of
 from pipelines.pnp.problem import PnpProblem
+from pipelines.tracking.motion_prediction import PredictedPose
 
 REWEIGHTINGS = 2
+BEHIND = "the solver put markers behind the camera"
 
 
 def residuals_px(
@@ -50,8 +53,9 @@ def solve_match(
     start: RigidTransform,
     radius_px: float,
     options: ChaserFixedOptions,
+    predicted: PredictedPose | None = None,
 ) -> Solution | str:
-    """Solve for the pose.
+    """Solve for the pose; where the matches allow two and nothing tells which, for none.
 
     Parameters
     ----------
@@ -63,12 +67,63 @@ def solve_match(
     radius_px : float, px
         Expected radius of a marker's image.
     options : ChaserFixedOptions
+    predicted : PredictedPose, optional
+        Decides between two poses that the matches fit alike.
 
     Returns
     -------
     Solution or str
         In words, why there is none.
     """
+    outcome = _solved_from(camera, markers, match, start, radius_px, options)
+    if isinstance(outcome, str) or not options.verify:
+        return outcome
+    return _unambiguous(camera, markers, match, outcome, radius_px, options, predicted)
+
+
+def _unambiguous(
+    camera: Camera,
+    markers: MarkerPattern,
+    match: Match,
+    found: Solution,
+    radius_px: float,
+    options: ChaserFixedOptions,
+    predicted: PredictedPose | None,
+) -> Solution | str:
+    """Look for the mirrored pose, and return the better of the two if one is clearly better."""
+    mirrored = mirrored_pose(found.pose, markers.points_in_target[found.match.marker[found.used]])
+    if mirrored is None:
+        return found
+    other = _solved_from(camera, markers, match, mirrored, radius_px, options)
+    if isinstance(other, str):
+        return found
+    apart_deg = rival_of(found, other)
+    if apart_deg is None:
+        return found
+    # The better pose tells how large the errors are: the one that needed less widening.
+    noise = min(found.match.covariance_px2, other.match.covariance_px2, key=np.sum)
+    lead = 0.0
+    for solution, sign in ((other, 1.0), (found, -1.0)):
+        left = residuals_px(camera, markers, match, solution.pose)
+        lead += sign * misfit(left, noise, options.outlier_sigmas)
+    if abs(lead) < DECISIVE_CHI2 and predicted is not None:
+        lead += predicted.squared_distance(other.pose) - predicted.squared_distance(found.pose)
+    if abs(lead) < DECISIVE_CHI2:
+        return (
+            f"the pose is ambiguous: the {int(found.used.sum())} matched markers lie in a plane, "
+            f"and two poses {apart_deg:.1f} deg apart fit them alike"
+        )
+    return found if lead > 0.0 else other
+
+
+def _solved_from(
+    camera: Camera,
+    markers: MarkerPattern,
+    match: Match,
+    start: RigidTransform,
+    radius_px: float,
+    options: ChaserFixedOptions,
+) -> Solution | str:
     if len(match) < options.min_markers:
         return (
             f"{len(match)} of the {len(markers)} markers matched, "
@@ -76,7 +131,10 @@ def solve_match(
         )
     used = np.ones(len(match), dtype=np.bool_)
     problem = _problem(camera, markers, match, options)
-    pose = solve_pose(problem, start, options.solver).pose
+    solved = solve_pose(problem, start, options.solver)
+    if not np.isfinite(solved.chi2):
+        return BEHIND
+    pose = solved.pose
     while options.verify:
         outliers = find_outliers(problem.subset(used), pose, options.outlier_sigmas, options.solver)
         if not outliers:
@@ -124,7 +182,7 @@ def _checked(
 ) -> Solution | str:
     left = residuals_px(camera, markers, match, pose)[used]
     if not np.isfinite(left).all():
-        return "the solver put markers behind the camera"
+        return BEHIND
     rms_px = float(np.sqrt(np.mean(left**2)))
     if rms_px > options.max_residual_radii * radius_px:
         return (

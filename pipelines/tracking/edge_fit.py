@@ -236,11 +236,12 @@ def fit_edges(
 
 
 def _moved(samples: EdgeSamples, camera: Camera, pose: RigidTransform) -> EdgeSamples:
-    """Project samples anew; normals turn little within a step and stay."""
+    """Project anew what still projects; normals turn little within a step and stay."""
     pixels = camera.project(pose @ samples.points_in_target)
-    return EdgeSamples(
+    moved = EdgeSamples(
         samples.points_in_target, pixels, samples.normals_px, samples.edge, samples.outline
     )
+    return moved.subset(np.asarray(np.isfinite(pixels).all(axis=1)))
 
 
 def _solve(

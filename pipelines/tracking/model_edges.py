@@ -141,10 +141,9 @@ class ModelEdges:
         shape = (camera.height, camera.width)
         mask = np.zeros(shape, dtype=np.uint8)
         corners = cam_from_target @ self.wireframe.triangles_in_target.reshape(-1, 3)
-        ahead = (corners[:, 2] > 0.1 * self.radius_m).reshape(-1, 3).all(axis=1)
-        if not ahead.any():
-            return mask.astype(bool)
-        pixels = camera.project(corners).reshape(-1, 3, 2)[ahead]
+        pixels = camera.project(corners)
+        ahead = (corners[:, 2] > 0.1 * self.radius_m) & np.isfinite(pixels).all(axis=1)
+        pixels = pixels.reshape(-1, 3, 2)[ahead.reshape(-1, 3).all(axis=1)]
         pixels = np.clip(pixels, -4.0 * camera.width, 5.0 * camera.width)
         for triangle in np.rint(16.0 * pixels).astype(np.int32):
             cv2.fillConvexPoly(mask, triangle, 1, shift=4)

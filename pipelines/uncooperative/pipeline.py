@@ -17,6 +17,7 @@ from models.estimate import Detections, Estimate
 from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from models.pose import RigidTransform
+from pipelines.filters.covariance_fault import covariance_fault
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
 from pipelines.uncooperative.knowledge import (
@@ -107,6 +108,8 @@ class Uncooperative:
     def _acquired(self, finder: PoseFinder[Any], frame: Seen, keep: bool = False) -> Estimate:
         """Start from this image alone; where that fails there is no state, but one to keep."""
         found = finder.acquire(frame)
+        if found.pose is not None and (fault := covariance_fault(found.pose.stated_covariance)):
+            found = _refused(found, f"the pose acquired has {fault}")
         if found.pose is None:
             self._navigation = self._navigation if keep else None
             return _said(found, None, "searching")

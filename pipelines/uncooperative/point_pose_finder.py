@@ -187,6 +187,8 @@ class PointPoseFinder:
         if covariance is None or taken.sum() < 4:
             return self._none(frame, f"{int(taken.sum())} matches do not determine a pose")
         left = frame.points_px[taken] - self._camera.project(pose @ points)
+        if not np.isfinite(left).all():
+            return self._none(frame, "the pose found puts matched landmarks out of sight")
         rms_px = float(np.sqrt(np.mean(left**2)))
         if landmarks is not None:
             doubt = self._doubt(int(taken.sum()), rms_px, frame, landmarks)

@@ -14,22 +14,23 @@ import numpy as np
 
 from models.arrays import AnyArray, Image
 from models.atomic_file import sweep_scratch, write_bytes, write_text
-from models.dataset.dataset import (
+from models.dataset.description import (
+    FILE_NAME,
+    VERSION,
     DatasetInfo,
-    FrameEntry,
-    encode_image,
-    exposure_name,
-    frames_to_csv,
-    image_path,
     info_to_json,
-    read_frame_entries,
     read_info,
 )
+from models.dataset.frame_table import FrameEntry, frames_to_csv, read_frame_entries
+from models.dataset.image_file import encode_image
 from models.errors import DatasetError
+from models.output_folder import check_empty, check_place
+from models.reading.json_file import read_json_table
 from renders.store.radiance_store import KEY, RadianceStore
 from renders.store.sealed_exr import read_exr, write_exr
-from renders.truth.exposure_truth import ExposureTruth
-from renders.truth.image_truth import ImageTruth
+from renders.truth.makers import SealedRecord
+from renders.world.exposure import exposure_name
+from renders.world.told import EXACT_CLOCK, ToldClock
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
     from renders.truth.pixel_truth import PixelTruth
@@ -53,24 +54,38 @@ def _ends_with(path: Path, end: bytes) -> bool:
 
 
 def check_folder(folder: Path, info: DatasetInfo) -> None:
-    """Refuse a folder that cannot take a dataset: a file, or a folder with another dataset.
+    """Refuse what cannot take a dataset: a file, a folder with another, or with what is not ours.
+
+    ``dataset.json`` is the first file to be written, so that a run killed at any moment goes on.
 
     Raises
     ------
     DatasetError
         Nothing was changed.
     """
-    if folder.exists() and not folder.is_dir():
-        raise DatasetError(f"expected a folder at {folder}, found a file; choose another --out")
-    if not (folder / "dataset.json").exists():
+    check_place(folder)
+    if not (folder / FILE_NAME).exists():
+        check_empty(folder, "a dataset that rvbench made")
         return
-    there = read_info(folder, info.format)
+    there = read_info(folder)
+    version = read_json_table(folder / FILE_NAME)["version"]
+    if version != VERSION:
+        raise DatasetError(
+            f"expected {folder} to be empty or to hold a dataset of version {VERSION}; it holds "
+            f"one of version {version}, which still reads and scores but is not gone on with; "
+            "nothing was changed: choose another --out"
+        )
     if there.provenance.get("scenario") != info.provenance.get("scenario"):
         raise DatasetError(
             f"expected {folder} to be empty or to hold this very scenario ({_told(info)}); "
             f"it holds another ({_told(there)}{_in_what(there, info)}); "
             "nothing was changed: choose another --out, or delete it"
         )
+
+
+def image_path(folder: Path, index: int, band: int) -> Path:
+    """Return where the image of one exposure lies in a dataset."""
+    return folder / "frames" / f"{exposure_name(index, band)}.png"
 
 
 def recorded_entries(folder: Path) -> list[FrameEntry]:
@@ -93,13 +108,15 @@ class DatasetWriter:
         Texts of the files that are on board before the first frame, by name; see
         ``renders.batches.public_half``.
     entries : list of FrameEntry
-        Those known; the list may grow, see ``renders.detector.exposure_control``.
+        Those known, in true time; the list may grow, see ``renders.detector.exposure_control``.
     labels : tuple of str
         Names of the part labels.
     scenario_toml : str
         The resolved scenario; it goes behind the wall, since it holds the motion.
     bands : tuple of int
         The exposures of a frame, in order of time.
+    clock : ToldClock
+        That on board, by which ``frames.csv`` goes.
     """
 
     folder: Path
@@ -108,7 +125,8 @@ class DatasetWriter:
     entries: list[FrameEntry]
     labels: tuple[str, ...]
     scenario_toml: str
-    bands: tuple[int, ...] = (800, 850)
+    bands: tuple[int, ...]
+    clock: ToldClock = EXACT_CLOCK
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -123,7 +141,7 @@ class DatasetWriter:
         check_folder(self.folder, self.info)
         sweep_scratch(self.folder)
         texts = {
-            "dataset.json": info_to_json(self.info),
+            FILE_NAME: info_to_json(self.info),
             **self.known,
             "truth/parts.json": json.dumps(self.labels) + "\n",
             "truth/scenario.toml": self.scenario_toml,
@@ -134,7 +152,8 @@ class DatasetWriter:
 
     def write_frames(self) -> None:
         """Write the rows of ``frames.csv`` that are known."""
-        write_text(self.folder / "frames.csv", frames_to_csv(self.entries))
+        stamped = [self.clock.stamped(entry) for entry in self.entries]
+        write_text(self.folder / "frames.csv", frames_to_csv(stamped))
 
     def truth_path(self, frame: int, band: int) -> Path:
         """Return where one exposure's truth lies until the dataset is complete."""
@@ -168,7 +187,7 @@ class DatasetWriter:
             and self.geometry_path(frame, band).is_file()
         )
 
-    def write_exposure(self, image: Image, truth: ExposureTruth | ImageTruth) -> None:
+    def write_exposure(self, image: Image, truth: SealedRecord) -> None:
         """Write an exposure's truth and then its image; the pixel truth must be there already."""
         text = json.dumps(truth.to_json()) + "\n"
         write_text(self.truth_path(truth.frame, truth.band), text)

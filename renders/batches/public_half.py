@@ -1,19 +1,40 @@
-"""What is on board before the first frame, as the files of a dataset's public half."""
+"""What a flight computer is given of a world, as the files of a dataset's public half."""
 
 from __future__ import annotations
 
-from models.dataset.image_dataset import FORMAT as IMAGE_FORMAT
-from models.dataset.image_dataset import knowledge_to_toml, navigation_to_csv
-
-from models.dataset.dataset import FORMAT, detector_to_toml, markers_to_toml, prior_to_toml
-from models.wireframe.wireframe_file import wireframe_to_json
-from renders.world.tumble_world import TumbleWorld
+from models.dataset.description import DatasetInfo, Stream
+from models.dataset.onboard_files import onboard_texts
+from models.dataset.sensor_table import table_to_csv
+from models.frame import TableReading
+from renders.world.table_sensors import TableSensor
 from renders.world.world import World
 
 
-def dataset_format(world: World) -> str:
-    """Return the format of the dataset that a world gives."""
-    return IMAGE_FORMAT if isinstance(world, TumbleWorld) else FORMAT
+def dataset_info(world: World) -> DatasetInfo:
+    """Return what ``dataset.json`` says of a world, but for who made it.
+
+    Raises
+    ------
+    ScenarioError
+        If the target lacks what is to be known of it on board.
+    """
+    images = tuple(
+        Stream(each.name, "image", each.files, offset_s=each.offset_s)
+        for each in world.sensor.streams
+    )
+    tables = tuple(
+        Stream(each.name, "table", each.file, columns=each.columns) for each in world.tables
+    )
+    return DatasetInfo(
+        case=world.scenario.name,
+        sun=world.scenario.sun.default,
+        frames=len(world.scenario.times_s),
+        target=world.target.name,
+        chain=world.chain,
+        streams=(*images, *tables),
+        onboard=tuple(onboard_texts(world.onboard(0))),
+        provenance={"scenario": world.scenario.fingerprint()},
+    )
 
 
 def public_files(world: World, run: int = 0) -> dict[str, str]:
@@ -24,27 +45,22 @@ def public_files(world: World, run: int = 0) -> dict[str, str]:
     Raises
     ------
     ScenarioError
-        If the target has no markers where pairs need them, or no wireframe where images do.
+        If the target lacks what is to be known of it on board.
     """
-    if isinstance(world, TumbleWorld):
-        return _of_images(world, run)
-    knowledge = world.knowledge(run)
-    return {
-        "camera.toml": knowledge.camera.to_toml(),
-        "detector.toml": detector_to_toml(knowledge.detector),
-        "markers.toml": markers_to_toml(knowledge.markers),
-        "prior.toml": prior_to_toml(knowledge),
+    tables = {
+        sensor.file: table_to_csv(sensor.columns, table_readings(world, sensor, run))
+        for sensor in world.tables
     }
+    return {**onboard_texts(world.onboard(run)), **tables}
 
 
-def _of_images(world: TumbleWorld, run: int) -> dict[str, str]:
-    onboard = world.onboard(run)
-    return {
-        "camera.toml": onboard.camera.to_toml(),
-        "detector.toml": detector_to_toml(world.scenario.simulated_detector),
-        "knowledge.toml": knowledge_to_toml(onboard),
-        "wireframe.json": wireframe_to_json(onboard.target),
-        "navigation.csv": navigation_to_csv(
-            (exposure.frame, world.navigation(exposure, run)) for exposure in world.exposures
-        ),
-    }
+def table_readings(world: World, sensor: TableSensor, run: int) -> list[tuple[int, TableReading]]:
+    """Return what a sensor gives in a run, by frame; its times are those of the clock on board."""
+    times_s = world.scenario.times_s
+    clock = world.clock(run)
+    return [
+        (frame, clock.stamped_rows(sensor.reading(frame, time_s, since_s, run)))
+        for frame, (time_s, since_s) in enumerate(
+            zip(times_s, [float("-inf"), *times_s], strict=False)
+        )
+    ]

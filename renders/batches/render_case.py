@@ -7,214 +7,40 @@ is done.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
-from models.arrays import AnyArray, Radiance
 from models.atomic_file import write_text
-from models.dataset.dataset import DatasetInfo, FrameEntry, image_path, read_image
-from models.errors import DatasetError, ScenarioError, StorageError
-from models.markers import MarkerPattern
+from models.dataset.frame_table import FrameEntry
+from models.dataset.image_file import read_image
+from models.errors import DatasetError, ScenarioError
 from models.plain_console import plain_console
 from models.pose import RigidTransform
-from renders.batches.dataset_writer import DatasetWriter, check_folder, recorded_entries
-from renders.batches.public_half import dataset_format, public_files
-from renders.batches.replay import (
-    exposed_frames,
-    light_record,
-    lit_otherwise,
-    needed_keys,
-    read_depth,
-    read_groups,
+from renders.batches.dataset_writer import (
+    DatasetWriter,
+    check_folder,
+    image_path,
+    recorded_entries,
 )
+from renders.batches.public_half import dataset_info, public_files
+from renders.batches.render_progress import render_progress
+from renders.batches.replay import light_record, lit_otherwise, needed_keys, read_depth
+from renders.batches.studio import Studio, start_renderer
 from renders.detector.compose import compose
 from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.store.claims import Claim
-from renders.store.kept_light import ALL_LIGHT, LightKeeping, checked_budget, keeping
+from renders.store.kept_light import checked_budget, keeping
 from renders.store.kept_windows import windows_by_marker, write_windows
 from renders.store.light_keys import LightKeys
-from renders.store.radiance_store import RadianceStore, as_half, default_store
-from renders.tracing.light_groups import LightGroup
-from renders.truth.exposure_truth import ExposureTruth
-from renders.truth.image_truth import ImageTruth
-from renders.variant.choice import activate, choose_variant
-from renders.world.tumble_world import TumbleWorld, world_of
-from renders.world.world import Exposure, World
-
-if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
-    from renders.truth.pixel_truth import PixelTruth
-
-__all__ = ["exposed_frames", "render_case"]
-
-
-@dataclass(eq=False)
-class Studio:
-    """One world with its store, and a renderer that is loaded when first needed."""
-
-    world: World
-    store: RadianceStore
-    keys: LightKeys
-    markers: MarkerPattern | None
-    scene: Any = None
-    geometry: Any = None
-    placed_cam_from_target: RigidTransform | None = None
-    kept: LightKeeping = ALL_LIGHT
-
-    def build(self, cam_from_target: RigidTransform) -> None:
-        """Load the scene once, and put the chaser in its place unless it stands there."""
-        from renders.tracing.scene import build_geometry, place_chaser
-
-        if self.scene is None:
-            self.geometry = build_geometry(self.world.target, self.world.chaser, self.world.optics)
-            self.scene = self.geometry.scene()
-        if self.placed_cam_from_target is not cam_from_target:
-            place_chaser(self.scene, self.geometry, cam_from_target)
-            self.placed_cam_from_target = cam_from_target
-
-    def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
-        """Return the store keys of everything that can light an exposure, by group name."""
-        groups = self.world.groups(exposure)
-        return {group.name: self.keys.group(exposure, cam_from_target, group) for group in groups}
-
-    def light(
-        self, exposure: Exposure, cam_from_target: RigidTransform
-    ) -> dict[LightGroup, Radiance]:
-        """Return what lights an exposure's frame, from the store or traced now."""
-        keys = self.group_keys(exposure, cam_from_target)
-        there = read_groups(self.store, self.world, exposure, keys)
-        if there is not None:
-            return there
-        images = self._traced_and_kept(exposure, cam_from_target, keys)
-        return {group: images[group.name] for group in self.world.lit_by(exposure)}
-
-    def every_group(
-        self, exposure: Exposure, cam_from_target: RigidTransform
-    ) -> dict[str, Radiance]:
-        """Return all groups of an exposure by name, from the store or traced now."""
-        keys = self.group_keys(exposure, cam_from_target)
-        there = {name: self.store.read(key) for name, key in keys.items()}
-        images = {name: image for name, image in there.items() if image is not None}
-        if len(images) == len(keys):
-            return images
-        return self._traced_and_kept(exposure, cam_from_target, keys)
-
-    def _traced_and_kept(
-        self, exposure: Exposure, cam_from_target: RigidTransform, keys: dict[str, str]
-    ) -> dict[str, Radiance]:
-        """Trace all groups; rounded as in the store, so that frames are the same to the bit."""
-        traced = self.trace(exposure, cam_from_target, self.world.groups(exposure))
-        halves = {name: as_half(image) for name, image in traced.items()}
-        if self.kept.keeps_whole(exposure.frame):
-            self.store.write_all({keys[name]: half for name, half in halves.items()})
-            for group in self.world.lit_by(exposure):
-                self._check_kept(keys[group.name], halves[group.name])
-        return {name: half.astype(np.float32) for name, half in halves.items()}
-
-    def _check_kept(self, key: str, half: AnyArray) -> None:
-        """Refuse a store that gives back something else; another process may have pruned it."""
-        back = self.store.read(key)
-        if self.store.has(key) if back is None else not np.array_equal(back, half):
-            raise StorageError(
-                f"expected to read back what was just written to the store {self.store.folder}, "
-                "got something else; choose another --store on a disk that keeps it"
-            )
-
-    def trace(
-        self,
-        exposure: Exposure,
-        cam_from_target: RigidTransform,
-        groups: Sequence[LightGroup],
-    ) -> dict[str, Radiance]:
-        """Trace groups in one pass; nothing is stored."""
-        from renders.tracing.radiance import Sampling, render_radiance
-
-        self.build(cam_from_target)
-        render = self.world.scenario.render
-        return render_radiance(
-            self.scene,
-            self.geometry,
-            self.world.camera,
-            cam_from_target,
-            groups,
-            self.markers,
-            Sampling(
-                samples=render.samples,
-                marker_samples=render.marker_samples,
-                max_depth=render.max_depth,
-                seed=self.world.render_seed(exposure.frame),
-            ),
-            self.world.in_view(exposure),
-        )
-
-    def sealed(
-        self, exposure: Exposure, cam_from_target: RigidTransform
-    ) -> ExposureTruth | ImageTruth:
-        """Return the sealed record of an exposure, of whatever kind the world is."""
-        if not isinstance(self.world, TumbleWorld):
-            return self.truth(exposure, cam_from_target)
-        from renders.truth.landmark_truth import image_truth
-
-        self.build(cam_from_target)
-        return image_truth(self.scene, self.world, exposure, cam_from_target)
-
-    def truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> ExposureTruth:
-        """Return the sealed record of one exposure of a pair."""
-        from renders.truth.pixel_truth import marker_light, outline_centres_px
-
-        if self.markers is None:
-            raise ScenarioError(
-                f"expected a target with markers, {self.world.target.name} has none"
-            )
-        self.build(cam_from_target)
-        camera, sun = self.world.camera, self.world.sun
-        light = marker_light(
-            self.scene,
-            self.markers,
-            camera,
-            cam_from_target,
-            self.world.lamps(exposure.band).ring,
-            {sun.name: sun.direction_in_target},
-        )
-        return ExposureTruth(
-            frame=exposure.frame,
-            band=exposure.band,
-            time_s=exposure.time_s,
-            cam_from_target=cam_from_target,
-            sun_dir_in_target=np.array(sun.direction_in_target),
-            markers_px=camera.project(cam_from_target @ self.markers.points_in_target),
-            marker_outlines_px=outline_centres_px(self.markers, camera, cam_from_target),
-            visible=light.visible,
-            lamp_lit=light.lamp_lit,
-            sun_lit=light.sun_lit[sun.name],
-        )
-
-    def pixel_truth(self, cam_from_target: RigidTransform) -> PixelTruth:
-        """Trace labels, depth and normals."""
-        from renders.truth.pixel_truth import pixel_truth
-
-        self.build(cam_from_target)
-        return pixel_truth(
-            self.scene,
-            self.geometry,
-            self.world.camera,
-            cam_from_target,
-            self.world.silhouette(cam_from_target),
-        )
+from renders.store.radiance_store import RadianceStore, default_store
+from renders.variant.choice import choose_variant
+from renders.world.build import world_of
+from renders.world.exposure import Exposure
+from renders.world.world import World
 
 
 def provenance(world: World, variant: str) -> dict[str, str]:
@@ -235,20 +61,13 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         Each says what to do; nothing already rendered is lost.
     """
     world = world_of(resolve(request))
-    info = DatasetInfo(
-        case=world.scenario.name,
-        sun=world.scenario.sun.default,
-        frames=len(world.scenario.times_s),
-        target=world.target.name,
-        provenance={"scenario": world.scenario.fingerprint()},
-        format=dataset_format(world),
-    )
+    info = dataset_info(world)
     check_folder(request.out, info)
     kept, limit_bytes = keeping(request), checked_budget(request, world)
-    _check_kind(request, world)
+    _check_markers(request, world)
     known = public_files(world)
     world.check_poses()
-    control = ExposureControl(world, world.prior(run=0))
+    control = ExposureControl(world, world.onboard(0).prior)
     control.resume(recorded_entries(request.out))
     variant = choose_variant(request.variant)
     info = replace(info, provenance=provenance(world, variant))
@@ -258,8 +77,9 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     from renders.tracing.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
+    toml, clock = world.scenario.to_toml(), world.clock(0)
     writer = DatasetWriter(
-        request.out, info, known, control.entries, labels, world.scenario.to_toml(), world.bands
+        request.out, info, known, control.entries, labels, toml, world.bands, clock
     )
     poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
     windows = kept.keeps_windows
@@ -280,7 +100,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     uses_store = kept.uses_store and bool(left or request.seeds > 1)
     if uses_store:
         store.open_for_writing()
-    _activate(variant, request.threads)
+    start_renderer(variant, request.threads)
     console = console or plain_console(stderr=True)
     frames = "image pairs" if len(world.bands) > 1 else "images"
     console.print(
@@ -299,32 +119,25 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     claim = Claim(info.case, info.sun, request.out, needed, every - needed)
     to_come = frozenset[str]().union(*(shaping[e] for e in left))
     claimed = store.claimed(claim, to_come) if uses_store else nullcontext()
-    with _progress(console) as progress, claimed:
-        for exposure in progress.track(left, total=len(left), description="render"):
+    with render_progress(console) as track, claimed:
+        for exposure in track(left, "render"):
             store.room.take_in_hand(shaping[exposure])
             entry = _entry(control, writer, exposure.frame)
             _render_exposure(studio, writer, exposure, poses[exposure], entry.exposure_ms)
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
-            for exposure in progress.track(there, total=len(there), description="light"):
+            for exposure in track(there, "light"):
                 store.room.take_in_hand(shaping[exposure])
                 studio.light(exposure, poses[exposure])
     _entry(control, writer, info.frames - 1)
     writer.finish()
 
 
-def _check_kind(request: RenderRequest, world: World) -> None:
-    """Refuse what single images of a target without markers cannot give."""
-    if not isinstance(world, TumbleWorld):
-        return
-    if request.keep_light == "markers":
+def _check_markers(request: RenderRequest, world: World) -> None:
+    """Refuse to keep the windows of markers where there are none."""
+    if request.keep_light == "markers" and world.target.markers is None:
         raise ScenarioError(
             f"expected --keep-light all or none: {world.target.name} is seen without markers, "
             "got markers"
-        )
-    if request.seeds > 1:
-        raise ScenarioError(
-            f"expected --seeds 1 for {world.scenario.name}, a dataset of single images, "
-            f"got {request.seeds}"
         )
 
 
@@ -368,23 +181,3 @@ def _put_pixel_truth(
     writer.write_pixel_truth(*place, studio.pixel_truth(cam_from_target), key)
     if studio.kept.keeps_whole(exposure.frame):
         studio.store.take(key, writer.geometry_path(*place))
-
-
-def _activate(variant: str, threads: int | None) -> None:
-    activate(variant)
-    if threads is not None:
-        import drjit
-
-        drjit.set_thread_count(threads)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-    )

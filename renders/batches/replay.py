@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from models.arrays import Image, Radiance
-from models.dataset.dataset import FrameEntry, exposure_name
+from models.dataset.frame_table import FrameEntry
 from models.errors import DatasetError, StorageError, UnreadableError, cause
-from models.frame import Frame
+from models.frame import Frame, ImageReading, Reading
+from models.onboard import OnboardKnowledge
 from models.reading.json_file import read_json_table
 from models.reading.regular_file import MEGABYTE
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.detector.compose import compose
 from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import read_scenario
@@ -28,7 +28,9 @@ from renders.store.kept_light import ALL_LIGHT, LightKeeping
 from renders.store.radiance_store import RadianceStore
 from renders.store.sealed_exr import read_exr
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import BANDS, Exposure, World
+from renders.world.build import world_of
+from renders.world.exposure import FILTERED, Exposure, exposure_name
+from renders.world.world import World
 
 MOST_RECORD_BYTES = 2000 * MEGABYTE  # 64 digits a key, some keys an exposure
 
@@ -56,7 +58,7 @@ def read_depth(world: World, folder: Path, exposure: Exposure) -> Radiance | Non
     """
     if not world.scenario.needs_depth:
         return None
-    path = folder / "truth" / "geometry" / f"{exposure_name(exposure.frame, exposure.band)}.exr"
+    path = folder / "truth" / "geometry" / f"{exposure.name}.exr"
     channels = read_exr(path)
     if channels is None:
         raise DatasetError(
@@ -118,6 +120,10 @@ def lit_otherwise(
     ]
 
 
+def _at_band(exposure: Exposure) -> str:
+    return "" if exposure.band == FILTERED else f" at {exposure.band} nm"
+
+
 def _how_to_bring_back(folder: Path) -> str:
     kept = read_json_table(folder / "truth" / "light.json", MOST_RECORD_BYTES).get("kept")
     if kept is None:
@@ -139,14 +145,11 @@ def light_held(folder: Path) -> Iterator[None]:
     DatasetError
         If the dataset was not rendered here.
     """
-    world = World(read_scenario(folder / "truth" / "scenario.toml"))
+    world = world_of(read_scenario(folder / "truth" / "scenario.toml"))
     store, recorded = read_light_record(folder)
     needed = needed_keys(
         world,
-        {
-            (e.frame, e.band): recorded.get(exposure_name(e.frame, e.band), {})
-            for e in world.exposures
-        },
+        {(e.frame, e.band): recorded.get(e.name, {}) for e in world.exposures},
     )
     name, sun = world.scenario.name, world.scenario.sun.default
     claim = Claim(name, sun, folder, needed)
@@ -170,7 +173,7 @@ def needed_keys(world: World, keys: Mapping[tuple[int, int], Mapping[str, str]])
     )
 
 
-def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Frame]]:
+def exposed_frames(folder: Path, run: int) -> tuple[OnboardKnowledge, Iterator[Frame]]:
     """Expose all frames of a rendered dataset again, as run number ``run`` sees them.
 
     Parameters
@@ -180,24 +183,30 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
     run : int
         0 gives the frames of the dataset itself.
 
+    Returns
+    -------
+    OnboardKnowledge
+        What is on board in that run.
+    iterator of Frame
+        With the readings of all streams, as that run draws them.
+
     Raises
     ------
     DatasetError
         If the dataset was not rendered here, or an entry has left the store.
     """
-    world = World(read_scenario(folder / "truth" / "scenario.toml"))
+    world = world_of(read_scenario(folder / "truth" / "scenario.toml"))
     store, recorded = read_light_record(folder)
-    knowledge = world.knowledge(run)
-    control = ExposureControl(world, knowledge.prior)
-    exposures = {(e.frame, e.band): e for e in world.exposures}
+    onboard, clock = world.onboard(run), world.clock(run)
+    control = ExposureControl(world, onboard.prior)
 
-    def image(entry: FrameEntry, band: int) -> Image:
-        exposure = exposures[entry.index, band]
-        keys = recorded.get(exposure_name(entry.index, band), {})
+    def image(exposure: Exposure, entry: FrameEntry) -> Image:
+        keys = recorded.get(exposure.name, {})
         groups = read_groups(store, world, exposure, keys)
         if groups is None:
             raise DatasetError(
-                f"expected the light of frame {entry.index} at {band} nm in {store.folder}, "
+                f"expected the light of frame {exposure.frame}{_at_band(exposure)} "
+                f"in {store.folder}, "
                 f"found it absent or damaged; {_how_to_bring_back(folder)}"
             )
         depth_m = read_depth(world, folder, exposure)
@@ -205,11 +214,20 @@ def exposed_frames(folder: Path, run: int) -> tuple[FlightKnowledge, Iterator[Fr
 
     def frames() -> Iterator[Frame]:
         last: dict[int, Image] = {}
-        for number in range(len(world.scenario.times_s)):
+        since_s = -np.inf
+        for number, time_s in enumerate(world.scenario.times_s):
             entry = control.entry(number, last.__getitem__)
-            pair = {band: image(entry, band) for band in BANDS}
-            last.clear()
-            last[number] = pair[850]
-            yield Frame(entry.index, entry.time_s, pair[800], pair[850], entry.exposure_ms)
+            readings: dict[str, Reading] = {}
+            for exposure in world.sensor.exposures(number, time_s):
+                shown = image(exposure, entry)
+                stream = world.sensor.stream(exposure.band)
+                middle_s = clock.shows(time_s) + stream.offset_s
+                readings[stream.name] = ImageReading(shown, middle_s, entry.exposure_ms)
+                last = {number: shown}
+            for sensor in world.tables:
+                rows = sensor.reading(number, time_s, since_s, run)
+                readings[sensor.name] = clock.stamped_rows(rows)
+            since_s = time_s
+            yield Frame(number, clock.shows(time_s), readings)
 
-    return knowledge, frames()
+    return onboard, frames()

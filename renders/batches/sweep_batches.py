@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -20,13 +20,15 @@ from models.camera import Camera
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun
 from models.pose import RigidTransform
-from renders.batches.render_case import Studio
+from renders.batches.studio import Studio
 from renders.scenario.scenario import Scenario
 from renders.store.budget import GB
 from renders.store.kept_light import GROUP_BYTES
 from renders.tracing.light_groups import LightGroup
-from renders.truth.exposure_truth import ExposureTruth
-from renders.world.world import BANDS, Exposure, World
+from renders.truth.makers import SealedRecord
+from renders.world.build import world_of
+from renders.world.exposure import Exposure
+from renders.world.world import World
 
 MOST_SUNS = 48  # in one pass: beyond it, what Suns share of a pass is too little to be worth memory
 BYTES_PER_SAMPLE_SUM = 4
@@ -68,12 +70,16 @@ def scenario_at(scenario: Scenario, time_s: float, sun: str | None = None) -> Sc
     return scenario.model_copy(update={"motion": motion, "sun": shining})
 
 
-def suns_in_a_batch(camera: Camera, memory_gb: float, store_bytes: float = np.inf) -> int:
+def suns_in_a_batch(
+    camera: Camera, bands: int, memory_gb: float, store_bytes: float = np.inf
+) -> int:
     """Return how many Suns one pass may carry: their sums in memory, their light in the store.
 
     Parameters
     ----------
     camera : Camera
+    bands : int
+        Exposures of a frame.
     memory_gb : float, GiB
         For the whole process: scene, sums and copies.
     store_bytes : float
@@ -92,8 +98,8 @@ def suns_in_a_batch(camera: Camera, memory_gb: float, store_bytes: float = np.in
             f"expected --memory-gb of at least {least_gb:g} for {camera.width} x {camera.height} "
             f"pixels, got {memory_gb:g}; give more, or a smaller --width"
         )
-    pair = len(BANDS) * GROUP_BYTES * camera.width * camera.height
-    most_kept, least_bytes = 0.5 * store_bytes / pair, 2.0 * LEAST_KEPT * pair
+    frame = bands * GROUP_BYTES * camera.width * camera.height
+    most_kept, least_bytes = 0.5 * store_bytes / frame, 2.0 * LEAST_KEPT * frame
     if store_bytes < least_bytes:
         raise ScenarioError(
             f"expected --store-budget-gb of at least {least_bytes / GB:.2g} for a sweep "
@@ -128,17 +134,15 @@ class PoseLight:
         self.studio = studio
         self.suns = tuple(suns)
         self.poses: dict[int, RigidTransform] = {
-            exposure.band: studio.world.approach.cam_from_target(exposure.time_s)
+            exposure.band: studio.world.trajectory.cam_from_target(exposure.time_s)
             for exposure in studio.world.exposures
         }
 
     @cached_property
     def groups_of_sun(self) -> list[list[GroupOfExposure]]:
-        """What lights both exposures under each Sun, in the order of ``suns``."""
-        scenario, known, found = self.studio.world.scenario, dict[str, GroupOfExposure](), []
-        for sun in self.suns:
-            table = scenario.sun.model_copy(update={"default": sun.text})
-            world = World(scenario.model_copy(update={"sun": table}))
+        """What lights each exposure under each Sun, in the order of ``suns``."""
+        known, found = dict[str, GroupOfExposure](), []
+        for world in self.worlds:
             own = []
             for exposure in self.studio.world.exposures:
                 for group in world.lit_by(exposure):
@@ -220,36 +224,19 @@ class PoseLight:
         """Trace the depth of each pixel in one exposure, m, 0 in space: a lens's focus needs it."""
         return self.studio.pixel_truth(self.poses[band]).depth_m
 
-    def truth(self) -> tuple[ExposureTruth, dict[str, list[float]]]:
-        """Return the truth of the 850 nm exposure, and how much each Sun lights of each marker.
+    @cached_property
+    def worlds(self) -> list[World]:
+        """The world under each Sun, in the order of ``suns``."""
+        scenario = self.studio.world.scenario
+        tables = (scenario.sun.model_copy(update={"default": sun.text}) for sun in self.suns)
+        return [world_of(scenario.model_copy(update={"sun": table})) for table in tables]
 
-        The first is that under the scenario's own Sun; shares by ``NamedSun.text``.
-        """
-        from renders.truth.pixel_truth import marker_light
-
-        exposure, markers = self.studio.world.exposures[-1], self.studio.markers
-        assert markers is not None
+    def truths(self) -> dict[str, SealedRecord]:
+        """Return the sealed record of the last exposure under each Sun, by ``NamedSun.text``."""
+        exposure = self.studio.world.exposures[-1]
         pose = self.poses[exposure.band]
-        truth = self.studio.truth(exposure, pose)
-        directions = {sun.text: _components(sun) for sun in self.suns}
-        light = marker_light(
-            self.studio.scene,
-            markers,
-            self.studio.world.camera,
-            pose,
-            self.studio.world.lamps(exposure.band).ring,
-            directions,
-        )
-        return truth, {text: shares.tolist() for text, shares in light.sun_lit.items()}
-
-
-def under(truth: ExposureTruth, sun: NamedSun, sun_lit: Sequence[float]) -> ExposureTruth:
-    """Return a pose's truth as it is under one Sun."""
-    return replace(
-        truth, sun_dir_in_target=sun.direction_in_target, sun_lit=np.array(sun_lit, dtype=float)
-    )
-
-
-def _components(sun: NamedSun) -> tuple[float, float, float]:
-    x, y, z = sun.direction_in_target.tolist()
-    return x, y, z
+        self.studio.build(pose)
+        return {
+            sun.text: world.truth(self.studio.scene, world, exposure, pose)
+            for sun, world in zip(self.suns, self.worlds, strict=True)
+        }

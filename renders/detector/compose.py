@@ -24,7 +24,8 @@ from renders.detector.radiation_hits import radiation_hits
 from renders.detector.stars import star_electrons
 from renders.detector.veiling_glare import sun_glare
 from renders.tracing.light_groups import LightGroup, SunGroup
-from renders.world.world import Exposure, World
+from renders.world.exposure import Exposure
+from renders.world.world import World
 
 
 def compose(

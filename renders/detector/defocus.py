@@ -24,6 +24,7 @@ from models.arrays import AnyArray, Floats
 from models.camera import Camera
 from models.sensors.camera_chip import Detector, Optics
 
+MOST_RADIUS_PX = 128.0  # a wider disc is as even as this one, and takes gigabytes to draw
 SUBPIXELS = 32  # a side; of the discs' rims
 RIM_PX = 1.0 / 32.0
 STEP_PX, STEP = 0.5, 1.15  # from one disc's radius to the next: at least, and as a factor
@@ -92,7 +93,7 @@ def defocused(image: AnyArray, circle_px: AnyArray) -> Floats:
     (height, width) float64 array.
     """
     sharp = np.asarray(image, dtype=np.float64)
-    radius = 0.5 * np.asarray(circle_px, dtype=np.float64)
+    radius = np.minimum(0.5 * np.asarray(circle_px, dtype=np.float64), MOST_RADIUS_PX)
     table = [0.0, 1.0]
     while table[-1] < radius.max():
         table.append(max(table[-1] + STEP_PX, table[-1] * STEP))

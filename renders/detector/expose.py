@@ -23,6 +23,7 @@ from renders.detector.veiling_glare import veiled
 from renders.tracing.light_groups import LampGroup, LightGroup
 
 SUNLIGHT_NM = 825.0  # middle of the 790 to 860 nm passband, for sunlight's mean photon
+MOST_ELECTRONS = 1e15  # far beyond any full well, and within what Poisson numbers are drawn of
 CHIP_SEED = 20220  # one chip flies: its pixel response is the same in every frame and run
 
 
@@ -179,7 +180,7 @@ def expose_electrons(
     -------
     (height, width) uint16 array, DN.
     """
-    charge = rng.poisson(mean_e).astype(np.float64)
+    charge = rng.poisson(np.minimum(mean_e, MOST_ELECTRONS)).astype(np.float64)
     if deposited_e is not None:
         charge += deposited_e
     charge = bloom(charge, detector.full_well_e, detector.blooming)

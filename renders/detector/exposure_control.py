@@ -8,11 +8,11 @@ one), so it is the same however often a run was cut: the image lies on the disk.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from models.arrays import Image
-from models.dataset.dataset import FrameEntry
-from models.pose import RigidTransform
-from models.sensors.auto_exposure import AutoExposure
+from models.dataset.frame_table import FrameEntry
+from models.onboard import PosePrior
 from renders.world.world import World
 
 
@@ -22,37 +22,40 @@ class ExposureControl:
     Parameters
     ----------
     world : World
-    prior : RigidTransform or None
-        Of the run; a planned exposure rests on it.
+    prior : PosePrior or None
+        Of the run; a planned exposure may rest on it.
 
     Attributes
     ----------
     entries : list of FrameEntry
-        What is known so far, from the first frame on; it grows where exposures are metered.
+        What is known so far, from the first frame on, in true time; it grows where exposures are
+        metered.
     """
 
-    def __init__(self, world: World, prior: RigidTransform | None) -> None:
+    def __init__(self, world: World, prior: PosePrior | None) -> None:
         self.world = world
         self.entries = world.frame_entries(prior)
         self.detector = world.scenario.simulated_detector
-        table = world.scenario.exposure
-        self.meter = AutoExposure(
-            percentile=table.percentile,
-            fill=table.percentile_fill,
-            max_step=table.max_step,
-            min_ms=table.min_ms * world.exposure_share,
-            max_ms=table.max_ms * world.exposure_share,
-        )
+        self.meter = world.plan.meter
 
     def resume(self, recorded: Iterable[FrameEntry]) -> None:
-        """Take what an earlier run metered; rows of other frames and all after them are left."""
-        times_s = self.world.scenario.times_s
+        """Take what an earlier run metered; rows of other frames and all after them are left.
+
+        Parameters
+        ----------
+        recorded : iterable of FrameEntry
+            By the clock on board, as ``frames.csv`` has them.
+        """
+        times_s, clock = self.world.scenario.times_s, self.world.clock(0)
         for index, entry in enumerate(recorded):
             if index < len(self.entries):
-                if entry != self.entries[index]:
+                if entry != clock.stamped(self.entries[index]):
                     return
-            elif index < len(times_s) and (entry.index, entry.time_s) == (index, times_s[index]):
-                self.entries.append(entry)
+            elif index < len(times_s) and (entry.index, entry.time_s) == (
+                index,
+                clock.shows(times_s[index]),
+            ):
+                self.entries.append(replace(entry, time_s=times_s[index]))
             else:
                 return
 

@@ -25,9 +25,7 @@ from models.arrays import Floats, Mask, Radiance
 from models.camera import Camera
 from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM
-from models.lights.sun import unit_direction
 from models.sensors.camera_chip import Detector, Optics, photon_energy_j
-from models.sky.earth_pointing import earth_pointing, rotation_from_wxyz, turned
 from models.sky.star_catalogue import bright_stars
 from renders.detector.defocus import circle_of_confusion_px, defocused
 from renders.detector.expose import SUNLIGHT_NM, pixel_response
@@ -53,15 +51,6 @@ def electrons_per_irradiance(optics: Optics, camera: Camera, detector: Detector)
     pupil_m2 = 0.25 * np.pi * (focal_m / optics.f_number) ** 2
     passed = optics.transmission * detector.quantum_efficiency / photon_energy_j(SUNLIGHT_NM)
     return float(pupil_m2 * passed)
-
-
-def target_from_icrs(world: World, time_s: float) -> Floats:
-    """Return the (3, 3) rotation of the target among the stars, sway and all."""
-    table = world.scenario.stars
-    wxyz = table.q_target_from_icrs_wxyz
-    start = rotation_from_wxyz(wxyz) if wxyz else earth_pointing(table.zenith_right_ascension_deg)
-    nominal = turned(start, table.rate_in_target_deg_h, time_s)
-    return world.approach.wobble.nominal_from_target(time_s).T @ nominal
 
 
 def star_electrons(
@@ -127,9 +116,9 @@ def stars_in_view(world: World, time_s: float, depth_m: Radiance) -> tuple[Float
         In the passband.
     """
     stars, camera = bright_stars(), world.camera
-    in_target = stars.directions_in_icrs @ target_from_icrs(world, time_s).T
-    in_cam = world.approach.cam_from_target(time_s).rotate(in_target)
-    seen = _in_field(in_cam, camera) & ~_behind_the_earth(world, in_target)
+    in_target = stars.directions_in_icrs @ world.sky.turning.target_from_icrs(time_s).T
+    in_cam = world.trajectory.cam_from_target(time_s).rotate(in_target)
+    seen = _in_field(in_cam, camera) & ~_behind_the_earth(world, in_target, time_s)
     seen[seen] = camera.contains(camera.project(in_cam[seen]))
     pixels = camera.project(in_cam[seen])
     column, row = np.rint(pixels).astype(np.int64).T
@@ -145,19 +134,20 @@ def _in_field(in_cam: Floats, camera: Camera) -> Mask:
     return np.asarray(in_cam[:, 2] >= camera.rays(ends)[:, 2].min())
 
 
-def _behind_the_earth(world: World, in_target: Floats) -> Mask:
-    table = world.scenario.earth
-    if not table.shines:
+def _behind_the_earth(world: World, in_target: Floats, time_s: float) -> Mask:
+    if not world.sky.earth.shines:
         return np.zeros(len(in_target), dtype=bool)
-    sine = EARTH_RADIUS_KM / table.orbit_radius_km
-    return np.asarray(in_target @ unit_direction(table.direction) > np.sqrt(1.0 - sine**2))
+    direction, radius_km = world.earth_at(time_s)
+    sine = EARTH_RADIUS_KM / radius_km
+    return np.asarray(in_target @ direction > np.sqrt(1.0 - sine**2))
 
 
 def _instants(world: World, time_s: float, exposure_s: float) -> Floats:
     """Return the instants, s, at which an exposure draws its stars: evenly within it."""
     ends = [time_s - 0.5 * exposure_s, time_s + 0.5 * exposure_s]
     cam_from_icrs = [
-        world.approach.cam_from_target(end).rotation @ target_from_icrs(world, end) for end in ends
+        world.trajectory.cam_from_target(end).rotation @ world.sky.turning.target_from_icrs(end)
+        for end in ends
     ]
     turn = cam_from_icrs[1] @ cam_from_icrs[0].T
     farthest_px = float(np.linalg.norm(turn - np.eye(3), 2)) * max(world.camera.fx, world.camera.fy)

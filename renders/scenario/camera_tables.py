@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from models.camera import Camera
 from models.errors import ScenarioError
@@ -13,20 +15,50 @@ from renders.scenario.table import Name, Table
 
 Radial = Annotated[float, Field(ge=-10, le=10)]  # what folds within the image is refused below
 Tangential = Annotated[float, Field(ge=-1, le=1)]
+PRESET = "chaser_fixed"
+OWN = ("file", "height", "fx", "fy", "cx", "cy", "fov_deg", "rendered_width")
+"""Keys that tell of a camera of one's own."""
 LEAST_LEVELS_DN = 10.0  # from bias to saturation: with fewer there is no picture
 MOST_READ_NOISE = 0.1  # of what a pixel can tell
 
 
 class CameraTable(Table):
-    """Which camera flies, as simulated."""
+    """Which camera flies, as simulated: a preset, or one of your own; see ``camera_choice``."""
 
-    preset: Name = Field("chaser_fixed", description="chaser_fixed or eye_in_hand")
+    preset: Name | None = Field(
+        None, description="chaser_fixed or eye_in_hand; chaser_fixed where no camera is typed"
+    )
+    file: Name | None = Field(
+        None, description="a camera.toml beside the scenario, for the keys of a camera of your own"
+    )
     width: int = Field(2048, ge=64, le=8192, description="columns; the field of view stays")
+    height: int | None = Field(None, ge=16, le=8192, description="rows, of a camera of your own")
+    fx: float | None = Field(None, ge=1, le=1e6, description="focal length, px of the width typed")
+    fy: float | None = Field(None, ge=1, le=1e6, description="fx where left out")
+    cx: float | None = Field(
+        None, ge=-1e5, le=1e5, description="principal point, px from the middle of the first pixel"
+    )
+    cy: float | None = Field(
+        None, ge=-1e5, le=1e5, description="as cx; the image's middle where either is left out"
+    )
+    fov_deg: float | None = Field(
+        None, ge=0.01, le=170, description="across the width, instead of fx, fy, cx and cy"
+    )
+    rendered_width: int | None = Field(
+        None, ge=64, le=8192, description="columns that are rendered of a camera of your own"
+    )
     k1: Radial = 0.0
     k2: Radial = 0.0
     p1: Tangential = 0.0
     p2: Tangential = 0.0
     k3: Radial = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _preset_unless_typed(cls, table: Any) -> Any:
+        if isinstance(table, dict) and all(table.get(key) is None for key in ("preset", *OWN)):
+            return {**table, "preset": PRESET}
+        return table
 
 
 class OpticsTable(Table):
@@ -89,16 +121,21 @@ class RadiationTable(Table):
     charge_e_um: float = Field(106.0, ge=0.1, le=1e6, description="left along a particle's way")
 
 
+ScheduleRow = Annotated[tuple[float, float], Field(strict=False)]  # s, ms
+SHORTEST_MS, LONGEST_MS = 1e-4, 1e5
+
+
 class ExposureTable(Table):
     """Exposure time; see ``renders.detector.exposure_control``.
 
-    ``schedule``: proportional to the square of the range by the prior. ``auto``: the first as
-    given, each other metered from the image before it, of a pair from the 850 nm one. ``fixed``: as
-    given. With ``[tumble]`` what is given is meant for the chip's own pixels; see
-    ``renders.world.tumble_world``.
+    ``schedule``: as ``schedule_ms`` has it, or else proportional to the square of the range by the
+    prior, which reckons with markers. ``auto``: the first as given, each other metered from the
+    image before it, of a pair from the 850 nm one. ``fixed``: as given. ``table``: that of each row
+    of the poses. Of single images what is given is meant for the chip's own pixels; see
+    ``renders.world.exposure_plan``.
     """
 
-    mode: Literal["schedule", "auto", "fixed"] = "schedule"
+    mode: Literal["schedule", "auto", "fixed", "table"] = "schedule"
     marker_fill: float = Field(
         0.6, ge=1e-3, le=1, description="schedule: share of full well, on axis"
     )
@@ -110,6 +147,9 @@ class ExposureTable(Table):
     max_step: float = Field(2.0, gt=1, le=1000, description="auto: largest factor between frames")
     min_ms: float = Field(0.01, ge=1e-4, le=1e5, description="auto: shortest")
     max_ms: float = Field(20.0, ge=1e-4, le=1e5, description="auto: longest")
+    schedule_ms: Annotated[tuple[ScheduleRow, ...], Field(strict=False, max_length=10_000)] = Field(
+        (), description="schedule: [time_s, exposure_ms] in order of time, linear between"
+    )
 
 
 NEAREST_FOCUS_M = 0.1  # lenses of this kind focus no nearer; a thin lens never within its f
@@ -146,7 +186,8 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
     ScenarioError
         The message names the key.
     """
-    if table.mode == "schedule":
+    check_schedule(table, gap, gap_ms, where)
+    if table.mode in ("schedule", "table"):
         return
     longest, key = table.exposure_ms, "exposure_ms"
     if table.mode == "auto":
@@ -164,20 +205,18 @@ def check_exposure(table: ExposureTable, gap: str, gap_ms: float, where: str) ->
         )
 
 
-def check_lens(camera: Camera, where: str) -> None:
-    """Refuse a distortion that folds the image over within itself.
+def check_lens(made: Callable[[], Camera], where: str) -> None:
+    """Refuse a camera that cannot be, such as one whose distortion folds the image over.
 
     Raises
     ------
     ScenarioError
-        The message names the keys.
+        The message names the file and the keys.
     """
-    if not camera.can_be_undone():
-        raise ScenarioError(
-            f"{where}: expected camera.k1, k2, p1, p2 and k3 that can be undone over the whole "
-            f"image, got {', '.join(f'{x:g}' for x in camera.distortion)}; they fold it over: "
-            "give smaller ones, and check their order"
-        )
+    try:
+        made()
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
 
 
 def check_detector(detector: Detector, where: str) -> None:
@@ -208,3 +247,40 @@ def check_detector(detector: Detector, where: str) -> None:
             f"{where}: expected detector.read_noise_e of at most a tenth of what a pixel can tell, "
             f"{told_e:.3g} e between bias and saturation, got {detector.read_noise_e:g} e"
         )
+
+
+def check_schedule(table: ExposureTable, gap: str, gap_ms: float, where: str) -> None:
+    """Refuse typed exposure times that are out of order, cannot be, or have no effect.
+
+    Parameters
+    ----------
+    table, gap, gap_ms, where
+        As of ``check_exposure``.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the key.
+    """
+    rows = table.schedule_ms
+    if not rows:
+        return
+    for key, plain in (("mode", "schedule"), ("marker_fill", ExposureTable().marker_fill)):  # type: ignore[call-arg]
+        if getattr(table, key) != plain:
+            raise ScenarioError(
+                f"{where}: expected exposure.{key} as {plain!r}, or left out, with "
+                f"exposure.schedule_ms, which sets every exposure; got {getattr(table, key)!r}"
+            )
+    for (before_s, _), (after_s, _) in pairwise(rows):
+        if not after_s > before_s:
+            raise ScenarioError(
+                f"{where}: expected exposure.schedule_ms in order of time, each instant once, "
+                f"got {after_s:g} s after {before_s:g} s"
+            )
+    for time_s, exposure_ms in rows:
+        if not SHORTEST_MS <= exposure_ms <= LONGEST_MS or exposure_ms >= gap_ms:
+            raise ScenarioError(
+                f"{where}: expected exposures in exposure.schedule_ms of at least "
+                f"{SHORTEST_MS:g} ms and below {gap}, {min(gap_ms, LONGEST_MS):g} ms, when the "
+                f"next exposure begins, got {exposure_ms:g} ms at {time_s:g} s"
+            )

@@ -22,6 +22,7 @@ EXPECTATIONS = {
     "less_than_equal": "of at most {le:g}",
     "int_parsing_size": "to be a whole number of fewer digits",
     "string_too_long": "to be at most {max_length} characters",
+    "string_pattern_mismatch": "of letters, digits, - and _ alone",
     "not_printable": "to be printable text",
     "not_a_name": "to be printable text on one line",
     "finite_number": "to be finite",
@@ -41,7 +42,13 @@ EXPECTATIONS = {
 }
 """What pydantic's kinds of error come to, in the words of someone who writes TOML."""
 ENDS = ("ge", "gt", "le", "lt")
-OUT_OF_RANGE = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+OUT_OF_RANGE = {
+    "finite_number",
+    "greater_than",
+    "greater_than_equal",
+    "less_than",
+    "less_than_equal",
+}
 
 
 def explain(
@@ -118,14 +125,27 @@ def _field(location: tuple[Any, ...], root: type[BaseModel]) -> FieldInfo | None
 
 def _table(location: tuple[Any, ...], root: type[BaseModel]) -> type[BaseModel] | None:
     """Return the table at a location, or None if there is none."""
-    table = root
+    table, rows = root, None
     for key in location:
-        field = table.model_fields.get(key)
-        inner = _without_none(field.annotation) if field is not None else None
+        if isinstance(key, int):
+            inner, rows = rows, None
+        else:
+            field = table.model_fields.get(key)
+            inner = _without_none(field.annotation) if field is not None else None
+            rows = _row(inner)
+            if rows is not None:
+                continue
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
             return None
         table = inner
     return table
+
+
+def _row(annotation: Any) -> Any:
+    """Return what a list of tables holds, or None for anything else."""
+    kinds = [kind for kind in get_args(annotation) if kind is not Ellipsis]
+    is_rows = len(kinds) == 1 and isinstance(kinds[0], type) and issubclass(kinds[0], BaseModel)
+    return kinds[0] if is_rows else None
 
 
 def _without_none(annotation: Any) -> Any:

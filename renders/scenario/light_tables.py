@@ -1,13 +1,45 @@
-"""The tables of a scenario that tell of lights beside the Sun and the pair's lamps."""
+"""The tables of a scenario that tell of lights, and of what the markers return of them."""
 
 from __future__ import annotations
+
+from typing import Annotated
 
 from pydantic import Field
 
 from models.errors import ScenarioError
 from models.lights.earth import ALBEDO, EARTH_RADIUS_KM, GEO_RADIUS_KM
 from models.lights.sun import unit_direction
-from renders.scenario.table import Table, Triple
+from renders.scenario.table import Name, Table, Triple
+
+
+class LampsTable(Table):
+    """The 800 and 850 nm LED rings; see ``models.lights.led_beam``."""
+
+    intensity_w_sr: float = Field(
+        12.0, ge=1e-6, le=1e6, description="on axis, all LEDs of a wavelength"
+    )
+    count: int = Field(8, ge=1, le=64)
+    radius_m: float = Field(0.03, ge=1e-4, le=0.05)
+    half_intensity_deg: float = Field(25.0, ge=0.1, lt=90)
+
+
+class SunTable(Table):
+    """Where the Sun stands; see ``renders.scenario.sun_choice``."""
+
+    default: Name = Field(
+        "S2", description='S1 to S7, a vector such as "0.2,-0.5,1", "table" or "epoch"'
+    )
+    shared: Annotated[tuple[Name, ...], Field(strict=False, max_length=1000)] = Field(
+        (), description="Suns rendered in one pass with any other"
+    )
+
+
+class RetroreflectorTable(Table):
+    """The effective retroreflective disc; see ``renders.tracing.retroreflector``."""
+
+    half_angle_deg: float = Field(2.0, gt=0.2, lt=10)
+    returned_850: float = Field(0.6, ge=0, le=1)
+    returned_800: float = Field(0.002, ge=0, le=1)
 
 
 class EarthTable(Table):

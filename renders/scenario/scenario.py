@@ -11,20 +11,22 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import tomli_w
 from pydantic import Field, ValidationError
 
-from models.camera import Camera, camera_preset
+from models.camera import Camera
 from models.errors import ScenarioError, UnreadableError, cause
-from models.lights.sun import sun_direction
 from models.reading.bounds import MOST_NAME
+from models.reading.options import check_option
 from models.reading.regular_file import MEGABYTE
 from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
+from renders.scenario.asked_tables import AskedTable, LimitsTable
+from renders.scenario.camera_choice import camera_of, check_camera, pixel_scale
 from renders.scenario.camera_tables import (
     CameraTable,
     DetectorTable,
@@ -37,10 +39,31 @@ from renders.scenario.camera_tables import (
     check_focus,
     check_lens,
 )
+from renders.scenario.embedded_files import with_files_read
 from renders.scenario.errors import explain
-from renders.scenario.light_tables import EarthTable, FloodlightTable, check_earth
+from renders.scenario.frame_checks import check_frames
+from renders.scenario.light_tables import (
+    EarthTable,
+    FloodlightTable,
+    LampsTable,
+    RetroreflectorTable,
+    SunTable,
+    check_earth,
+)
+from renders.scenario.marker_tables import MarkersTable, markers_from
+from renders.scenario.motion_choice import (
+    check_motion,
+    frame_kind_of,
+    motion_kind_of,
+    shortest_gap_ms,
+    times_of,
+)
+from renders.scenario.motion_tables import FrameTable, MotionKind, MotionTable
+from renders.scenario.picture_checks import check_picture
 from renders.scenario.sky_tables import StarsTable, check_stars
+from renders.scenario.sun_choice import check_suns
 from renders.scenario.table import Name, Prose, Table
+from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable, check_told
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
 
 CASES = Path(__file__).resolve().parents[2] / "bench" / "cases"
@@ -49,59 +72,14 @@ OPTIONS = {
     "motion.start_s": "--span-s (its start)",
     "motion.end_s": "--span-s (its end)",
     "camera.width": "--width",
+    "camera.rendered_width": "--width",
     "render.samples": "--spp",
     "sun.default": "--sun",
 }
 """Which option stands for which key."""
-MOST_FRAMES = 100_000  # over five hours at 5 Hz; a motion of more is a slip
 MOST_THREADS = 512
-MOST_SCENARIO_BYTES = MEGABYTE
-
-SigmaM = Annotated[float, Field(ge=0, le=1000)]
-SigmaDeg = Annotated[float, Field(ge=0, le=180)]
-
-
-class LampsTable(Table):
-    """The 800 and 850 nm LED rings; see ``models.lights.led_beam``."""
-
-    intensity_w_sr: float = Field(
-        12.0, ge=1e-6, le=1e6, description="on axis, all LEDs of a wavelength"
-    )
-    count: int = Field(8, ge=1, le=64)
-    radius_m: float = Field(0.03, ge=1e-4, le=0.05)
-    half_intensity_deg: float = Field(25.0, ge=0.1, lt=90)
-
-
-class SunTable(Table):
-    """Where the Sun stands: S1 to S7, or a vector x,y,z in the target frame.
-
-    With ``[tumble]`` a vector in the inertial frame of the orbit.
-    """
-
-    default: Name = Field("S2", description='S1 to S7, or a vector such as "0.2,-0.5,1"')
-    shared: Annotated[tuple[Name, ...], Field(strict=False, max_length=1000)] = Field(
-        (), description="Suns rendered in one pass with any other"
-    )
-
-
-class RetroreflectorTable(Table):
-    """The effective retroreflective disc; see ``renders.tracing.retroreflector``."""
-
-    half_angle_deg: float = Field(2.0, gt=0.2, lt=10)
-    returned_850: float = Field(0.6, ge=0, le=1)
-    returned_800: float = Field(0.002, ge=0, le=1)
-
-
-class MotionTable(Table):
-    """The approach and its clock, or that of ``[tumble]``; see ``models.motion.approach``."""
-
-    start_s: float = Field(0.0, ge=0, le=1e6)
-    end_s: float = Field(330.0, gt=0, le=1e6)
-    rate_hz: float = Field(5.0, ge=1e-6, le=15, description="pose rate; a pair is 33 ms apart")
-    pair_gap_ms: float = Field(
-        33.0, ge=0.01, le=1e5, description="800 nm exposure before the 850 nm one"
-    )
-    target_wobble: bool = Field(True, description="attitude motion of the stabilised target")
+MOST_SCENARIO_BYTES = 32 * MEGABYTE  # a table of poses among it
+SHAPING_NOTHING = {"description", "limits", "asked"}  # prose, and what is asked
 
 
 class RenderTable(Table):
@@ -113,24 +91,6 @@ class RenderTable(Table):
     )
     max_depth: int = Field(4, ge=1, le=32, description="surface interactions of a path")
     seed: int = Field(1, ge=0, le=2**63 - 1)
-
-
-class PriorTable(Table):
-    """1-sigma of the first pose, Opromolla 2022 Table 5."""
-
-    sigma_t_m: Annotated[tuple[SigmaM, SigmaM, SigmaM], Field(strict=False)] = (0.017, 0.017, 0.05)
-    sigma_euler_deg: Annotated[tuple[SigmaDeg, SigmaDeg, SigmaDeg], Field(strict=False)] = (
-        1.0,
-        1.0,
-        1.0,
-    )
-
-
-class CalibrationTable(Table):
-    """1-sigma of the calibrated camera against the simulated one; zero is exact."""
-
-    sigma_focal_px: float = Field(0.0, ge=0, le=100)
-    sigma_principal_point_px: float = Field(0.0, ge=0, le=100)
 
 
 class Scenario(Table):
@@ -153,31 +113,41 @@ class Scenario(Table):
     motion: MotionTable = MotionTable()  # type: ignore[call-arg]
     render: RenderTable = RenderTable()  # type: ignore[call-arg]
     exposure: ExposureTable = ExposureTable()  # type: ignore[call-arg]
-    prior: PriorTable = PriorTable()
+    prior: PriorTable = PriorTable()  # type: ignore[call-arg]
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
+    limits: LimitsTable = LimitsTable()  # type: ignore[call-arg]
+    asked: AskedTable = AskedTable()  # type: ignore[call-arg]
+    frame: FrameTable | None = Field(None, description="what a frame is")
+    markers: MarkersTable | None = Field(
+        None, description="your own, in a file or here, instead of the target's"
+    )
+    told: ToldTable | None = Field(None, description="what a pipeline is told otherwise")
+
+    @property
+    def motion_kind(self) -> MotionKind:
+        """What moves: ``approach``, ``tumble`` or ``poses``."""
+        return motion_kind_of(self)
+
+    @property
+    def frame_kind(self) -> str:
+        """What a frame is: ``pairs`` or ``single``."""
+        return frame_kind_of(self)
 
     @property
     def times_s(self) -> list[float]:
         """Middles of the exposures, s; of a pair, of the 850 nm one."""
-        span = self.motion.end_s - self.motion.start_s
-        count = int(span * self.motion.rate_hz + 1e-9) + 1
-        return [self.motion.start_s + number / self.motion.rate_hz for number in range(count)]
+        return times_of(self)
 
     @property
     def simulated_camera(self) -> Camera:
         """The camera that renders."""
-        table = self.camera
-        camera = camera_preset(table.preset).resized(table.width)
-        coefficients = {name: getattr(table, name) for name in ("k1", "k2", "p1", "p2", "k3")}
-        return Camera(
-            camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, **coefficients
-        )
+        return camera_of(self.camera)
 
     @property
     def pixel_scale(self) -> float:
-        """Columns over those of the preset: below 1, pixels are larger than the chip's own."""
-        return self.camera.width / camera_preset(self.camera.preset).width
+        """Columns over those of the chip: below 1, pixels are larger than the chip's own."""
+        return pixel_scale(self.camera)
 
     @property
     def simulated_optics(self) -> Optics:
@@ -214,8 +184,8 @@ class Scenario(Table):
         return tomli_w.dumps(json.loads(self.model_dump_json(exclude_none=True)))
 
     def fingerprint(self) -> str:
-        """Return a hash of everything in it but its prose."""
-        table = self.model_dump(mode="json", exclude={"description"}, exclude_none=True)
+        """Return a hash of everything in it that shapes a dataset."""
+        table = self.model_dump(mode="json", exclude=SHAPING_NOTHING, exclude_none=True)
         return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
@@ -297,7 +267,7 @@ def case_path(case: str) -> Path:
 
 
 def read_scenario(path: Path) -> Scenario:
-    """Read a scenario file.
+    """Read a scenario file, and the files that it names.
 
     Raises
     ------
@@ -310,46 +280,32 @@ def read_scenario(path: Path) -> Scenario:
     except UnreadableError as error:
         raise ScenarioError(f"{path}: expected a scenario as TOML, got: {cause(error)}") from error
     try:
-        scenario = Scenario(**table)
+        scenario = Scenario(**with_files_read(table, path))
     except ValidationError as error:
         raise ScenarioError(explain(str(path), error, Scenario, {})) from error
     return check_scenario(scenario, str(path))
 
 
 def check_scenario(scenario: Scenario, where: str) -> Scenario:
-    """Refuse what no single key can show: an empty span, a Sun that is none, odd samples."""
-    motion = scenario.motion
-    in_pairs = scenario.tumble is None
-    if in_pairs and motion.pair_gap_ms * motion.rate_hz >= 1e3:
-        raise ScenarioError(
-            f"{where}: expected motion.pair_gap_ms below the time between pairs, "
-            f"{1e3 / motion.rate_hz:g} ms at {motion.rate_hz:g} Hz, got {motion.pair_gap_ms:g} ms"
-        )
-    if motion.end_s < motion.start_s:
-        raise ScenarioError(
-            f"{where}: expected motion.end_s after motion.start_s, "
-            f"got {motion.start_s} to {motion.end_s} s"
-        )
-    frames = (motion.end_s - motion.start_s) * motion.rate_hz
-    if frames >= MOST_FRAMES:
-        raise ScenarioError(
-            f"{where}: expected at most {MOST_FRAMES} frames, got {frames:.3g}: from "
-            f"{motion.start_s:g} to {motion.end_s:g} s at {motion.rate_hz:g} Hz; give an earlier "
-            "motion.end_s or a lower motion.rate_hz"
-        )
+    """Refuse what no single key can show: an empty span, a Sun that is none, a camera twice."""
+    check_motion(scenario, where)
+    check_suns(scenario, where)
     check_tumble(scenario, where)
-    gap = ("motion.pair_gap_ms", motion.pair_gap_ms)
-    if not in_pairs:
-        gap = ("the time between images", 1e3 / motion.rate_hz)
+    check_frames(scenario, where)
+    gap = ("the time between images", shortest_gap_ms(scenario))
+    if scenario.frame_kind == "pairs":
+        gap = ("motion.pair_gap_ms", scenario.motion.pair_gap_ms)
     check_exposure(scenario.exposure, *gap, where)
     check_focus(scenario.optics, where)
     check_earth(scenario.earth, where)
     check_stars(scenario.stars, where)
-    for name in (scenario.sun.default, *scenario.sun.shared):
-        sun_direction(name)
-    camera_preset(scenario.camera.preset)
-    check_lens(scenario.simulated_camera, where)
+    check_camera(scenario.camera, where)
+    check_lens(lambda: scenario.simulated_camera, where)
     check_detector(scenario.simulated_detector, where)
+    check_picture(scenario, where)
+    if scenario.markers is not None:
+        markers_from(scenario.markers, where)
+    check_told(scenario, where)
     return scenario
 
 
@@ -360,11 +316,8 @@ def check_threads(threads: int | None) -> None:
     ------
     ScenarioError
     """
-    if threads is not None and not 1 <= threads <= MOST_THREADS:
-        raise ScenarioError(
-            f"expected --threads from 1 to {MOST_THREADS}, got {shown(threads)}; "
-            "leave it out to use all cores"
-        )
+    hint = "leave it out to use all cores"
+    check_option("--threads", threads, 1, MOST_THREADS, whole=True, hint=hint)
 
 
 def resolve(request: RenderRequest) -> Scenario:
@@ -384,7 +337,7 @@ def resolve(request: RenderRequest) -> Scenario:
     }
     changes: dict[str, dict[str, Any]] = {
         "motion": motion,
-        "camera": {} if request.width is None else {"width": request.width},
+        "camera": {} if request.width is None else {_width_key(scenario): request.width},
         "render": {} if request.spp is None else {"samples": request.spp},
         "sun": {} if request.sun is None else {"default": request.sun},
     }
@@ -396,3 +349,8 @@ def resolve(request: RenderRequest) -> Scenario:
     except ValidationError as error:
         raise ScenarioError(explain(request.case, error, Scenario, OPTIONS)) from error
     return check_scenario(changed, f"{request.case} with the options given")
+
+
+def _width_key(scenario: Scenario) -> str:
+    """Return the key of [camera] that ``--width`` stands for."""
+    return "width" if scenario.camera.preset is not None else "rendered_width"

@@ -17,7 +17,8 @@ class StarsTable(Table):
 
     The attitude is that of the target's nominal axes at motion time 0, Earth-pointing at GEO (see
     ``models.sky.earth_pointing``) unless a quaternion says otherwise; from there it turns at the
-    rate given, and sways as ``[motion]`` says.
+    rate given, and sways as ``[motion]`` says. With ``[tumble]`` all of it follows from the motion,
+    and ``shine`` alone may be given.
     """
 
     shine: bool = Field(False, description="whether they are seen")

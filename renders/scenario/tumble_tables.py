@@ -9,8 +9,8 @@ from pydantic import Field
 
 from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM
-from models.lights.sun import SUN_CASES_DEG, sun_direction
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
+from renders.scenario.frame_checks import refuse_what_has_no_effect
 from renders.scenario.table import Numbers, Table, Triple
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ Rate = Annotated[float, Field(ge=-360, le=360)]
 Moment = Annotated[float, Field(ge=-1e9, le=1e9)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Field(strict=False)]
 UNIT_TOLERANCE = 1e-3  # a quaternion typed with four digits is one
-NO_EFFECT = {
+NO_EFFECT: dict[str, tuple[str, ...] | None] = {
     "lamps": None,
     "retroreflector": None,
     "prior": None,
@@ -30,6 +30,7 @@ NO_EFFECT = {
     "earth": ("direction", "orbit_radius_km"),
     "render": ("marker_samples",),
     "exposure": ("marker_fill",),
+    "stars": ("zenith_right_ascension_deg", "q_target_from_icrs_wxyz", "rate_in_target_deg_h"),
 }
 """Tables, or keys of them, that shape image pairs alone: typed with [tumble] they would mislead."""
 
@@ -63,7 +64,8 @@ class TumbleTable(Table):
     """A target that turns freely, seen by a chaser that keeps to its local frame.
 
     The local frame (LVLH) is x away from Earth, y along track, z along the orbit's normal; the
-    camera looks along +y, image down is nadir. See ``models.motion.tumble``.
+    camera looks along +y, image down is nadir. The inertial frame in which the orbit and the Sun
+    are given has the axes of the ICRS: there stand the stars. See ``models.motion.tumble``.
     """
 
     orbit: OrbitTable
@@ -84,7 +86,7 @@ class TumbleTable(Table):
 
 
 def check_tumble(scenario: Scenario, where: str) -> None:
-    """Refuse what would not do what it says: a Sun of another frame, a table of image pairs.
+    """Refuse what would not do what it says: a table of image pairs, an orbit through the Earth.
 
     Raises
     ------
@@ -94,24 +96,12 @@ def check_tumble(scenario: Scenario, where: str) -> None:
     table = scenario.tumble
     if table is None:
         return
-    for name in (scenario.sun.default, *scenario.sun.shared):
-        if name.strip().upper() in SUN_CASES_DEG:
-            raise ScenarioError(
-                f"{where}: expected sun.default, with [tumble], as a vector x,y,z towards the Sun "
-                f"in the inertial frame of the orbit, got {name!r}, which stands in target axes; "
-                'give one such as "0.3,-0.5,1"'
-            )
-        sun_direction(name)
-    _refuse_what_has_no_effect(scenario, where)
-    if scenario.exposure.mode == "schedule":
+    refuse_what_has_no_effect(scenario, NO_EFFECT, "[tumble]", where)
+    if scenario.exposure.mode == "schedule" and not scenario.exposure.schedule_ms:
         raise ScenarioError(
-            f"{where}: expected exposure.mode, with [tumble], as auto or fixed, got 'schedule', "
+            f"{where}: expected exposure.mode, with [tumble], as auto or fixed, or as schedule "
+            "with exposure.schedule_ms = [[time_s, exposure_ms], ...]; got 'schedule' without, "
             "which reckons with markers"
-        )
-    if scenario.stars.shine:
-        raise ScenarioError(
-            f"{where}: expected stars.shine = false with [tumble]: their attitude is that of an "
-            "Earth-pointing target"
         )
     perigee_km = table.orbit.a_km * (1.0 - table.orbit.e)
     if perigee_km <= EARTH_RADIUS_KM:
@@ -139,15 +129,3 @@ def check_tumble(scenario: Scenario, where: str) -> None:
             f"{where}: expected tumble.onboard.range_m as nearest and farthest, m, "
             f"got {list(span)}; leave it out where none is known"
         )
-
-
-def _refuse_what_has_no_effect(scenario: Scenario, where: str) -> None:
-    for name, keys in NO_EFFECT.items():
-        table = getattr(scenario, name)
-        plain = type(table)()
-        for key in keys or type(table).model_fields:
-            if getattr(table, key) != getattr(plain, key):
-                raise ScenarioError(
-                    f"{where}: expected {name}.{key} to be left out with [tumble], where it has "
-                    f"no effect, got {getattr(table, key)!r}"
-                )

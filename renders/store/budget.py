@@ -81,7 +81,7 @@ def stored(folder: Path) -> Iterator[Entry]:
         for file in _scan(Path(place.path)):
             named = ENTRY_NAME.fullmatch(file.name)
             try:
-                status = file.stat() if named else None
+                status = file.stat() if named and file.is_file() else None
             except OSError:
                 continue
             if named is not None and status is not None:
@@ -107,7 +107,11 @@ def mark_used(path: Path) -> None:
 
 
 def evict(
-    folder: Path, down_to_bytes: float, needed: Container[str], wanted: Container[str]
+    folder: Path,
+    down_to_bytes: float,
+    needed: Container[str],
+    wanted: Container[str],
+    refused: list[OSError] | None = None,
 ) -> tuple[int, int]:
     """Delete entries, those used longest ago first, until a store is small enough.
 
@@ -119,6 +123,8 @@ def evict(
         Keys of what stays.
     wanted : container of str
         Keys of what goes after everything else.
+    refused : list of OSError, optional
+        Takes what the system said where it did not let us delete.
 
     Returns
     -------
@@ -131,7 +137,13 @@ def evict(
     for entry in sorted(spare, key=lambda entry: (entry.key in wanted, entry.used_ns)):
         if left <= down_to_bytes:
             break
-        if _deleted(entry):
+        try:
+            gone = _deleted(entry)
+        except OSError as error:
+            gone = False
+            if refused is not None:
+                refused.append(error)
+        if gone:
             left, deleted = left - entry.cost_bytes, deleted + 1
     return left, deleted
 
@@ -144,8 +156,6 @@ def _deleted(entry: Entry) -> bool:
         entry.path.unlink()
     except FileNotFoundError:
         return True
-    except OSError:
-        return False
     return True
 
 

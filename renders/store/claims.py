@@ -13,7 +13,7 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -122,7 +122,8 @@ def forget_claims_without_light(store: Path, keys: frozenset[str]) -> None:
     for path in sorted((store / FOLDER).glob("*.json")):
         claim = read_claim(path)
         if claim is not None and not claim.keys & keys and not _is_held(path):
-            path.unlink(missing_ok=True)
+            with suppress(OSError):  # a store that cannot be written keeps its records
+                path.unlink()
 
 
 def _is_held(path: Path) -> bool:

@@ -13,7 +13,8 @@ from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from renders.store.radiance_store import entry_key
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import Exposure, World
+from renders.world.exposure import Exposure
+from renders.world.world import World
 
 PHYSICS_VERSION = 6  # raise it when the same scenario gives other light
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ import numpy as np
 from models.arrays import AnyArray, Radiance
 from models.atomic_file import link_or_copy, sweep_scratch, write_text
 from models.errors import StorageError
+from models.output_folder import check_empty, check_place
 from renders.store.budget import Room, budget_bytes, mark_used
 from renders.store.claims import Claim, held
 from renders.store.sealed_exr import read_exr, write_exr
@@ -30,6 +32,7 @@ STORE_VERSION = 2
 KEY = "rvbench_key"  # in the header: an entry under another's name is none
 CACHE_SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55"
 HALF_MAX = 65504.0  # a glint brighter than this saturates any detector a thousandfold
+OWN_NAME = re.compile(r"[0-9a-f]{2}|claims")
 MOST_WRITERS = 8
 
 
@@ -88,10 +91,17 @@ class RadianceStore:
 
         Raises
         ------
+        DatasetError
+            If it holds what is not ours.
         StorageError
             If it cannot be written: better now than after the first light is traced.
         """
+        check_place(self.folder, "--store")
         tag = self.folder / "CACHEDIR.TAG"  # tells backups to pass by; see bford.info/cachedir
+        if not tag.is_file():
+            names = os.listdir(self.folder) if self.folder.is_dir() else []
+            own = [name for name in names if OWN_NAME.fullmatch(name)]
+            check_empty(self.folder, "a store of light", own, "--store")
         if not tag.is_file() or not os.access(self.folder, os.W_OK):
             write_text(tag, f"{CACHE_SIGNATURE}\n# What is in here can be rendered again.\n")
         sweep_scratch(self.folder)

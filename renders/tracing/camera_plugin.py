@@ -7,20 +7,35 @@ enters here too, by bending the rays, never by warping images.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from models.camera import Camera
+from models.camera import UNDISTORT_ITERATIONS, Camera
 from models.pose import RigidTransform
 
 MITSUBA_FROM_CAM = np.diag([-1.0, -1.0, 1.0])
-UNDISTORT_STEPS = 8  # Newton doubles the digits at each; four suffice for any lens in use
+UNDISTORT_STEPS = (8, 16, 32)  # Newton doubles the digits at each; four suffice for most lenses
+UNDISTORT_PX = 1e-3  # a kernel in single precision keeps no more over 2048 pixels
 
 
-def undistorted(camera: Camera, x: Any, y: Any) -> tuple[Any, Any]:
+@cache
+def undistort_steps(camera: Camera) -> int:
+    """Return how many of Newton's steps a lens needs over its image: more where it nearly folds."""
+    distorted = (camera.spread_px() - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
+    expected = camera.undistort(distorted)
+    for steps in UNDISTORT_STEPS:
+        x, y = undistorted(camera, distorted[:, 0], distorted[:, 1], steps)
+        found = np.stack([x, y], axis=-1)
+        if np.abs(found - expected).max() * max(camera.fx, camera.fy) < UNDISTORT_PX:
+            return steps
+    return UNDISTORT_ITERATIONS  # which a camera's own check has found to be enough
+
+
+def undistorted(camera: Camera, x: Any, y: Any, steps: int) -> tuple[Any, Any]:
     """Undo Brown-Conrady distortion on Dr.Jit or plain floats, by Newton's method.
 
     The same equations as ``Camera.undistort``, which works on arrays; a test holds them together.
@@ -35,7 +50,7 @@ def undistorted(camera: Camera, x: Any, y: Any) -> tuple[Any, Any]:
         return x, y
     k1, k2, p1, p2, k3 = (float(value) for value in camera.distortion)
     a, b = x, y
-    for _ in range(UNDISTORT_STEPS):
+    for _ in range(steps):
         r2 = a * a + b * b
         radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
         slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3))
@@ -59,7 +74,8 @@ def ray_direction_in_cam(camera: Camera, u: Any, v: Any) -> Any:
     u, v : Float or float, px
         Column and row.
     """
-    x, y = undistorted(camera, (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy)
+    steps = undistort_steps(camera) if camera.distorted else 0
+    x, y = undistorted(camera, (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, steps)
     return dr.normalize(mi.Vector3f(x, y, 1.0))
 
 

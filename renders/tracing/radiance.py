@@ -85,7 +85,7 @@ def marker_windows(
     windows = []
     in_cam = cam_from_target @ markers.points_in_target
     for (u, v), point in zip(camera.project(in_cam), in_cam, strict=True):
-        if point[2] <= markers.radius_m:
+        if point[2] <= markers.radius_m or not np.isfinite(u):
             continue
         reach = markers.radius_m * max(camera.fx, camera.fy) / point[2] + WINDOW_MARGIN_PX
         left, top = max(0, int(np.floor(u - reach))), max(0, int(np.floor(v - reach)))
@@ -172,11 +172,14 @@ def render_radiance(
     if in_view is not None:
         tiled = tiled[in_view.ravel()[tiled]]
     surfaces, samples = geometry.surfaces, sampling.samples
-    traced = _traced(scene, surfaces, camera, cam_from_target, groups, tiled, samples, sampling)
+    traced: dict[str, Radiance] = {}
+    if len(tiled):  # Dr.Jit traces no empty work
+        traced = _traced(scene, surfaces, camera, cam_from_target, groups, tiled, samples, sampling)
     images = {}
-    for name in list(traced):
+    for name in [group.name for group in groups]:
         images[name] = np.zeros(camera.width * camera.height, dtype=np.float32)
-        images[name][tiled] = traced.pop(name)  # one at a time: a hundred Suns fill a memory
+        if name in traced:
+            images[name][tiled] = traced.pop(name)  # one at a time: a hundred Suns fill a memory
     if markers is not None and windows:
         near, edge = marker_pixels(markers, camera, cam_from_target, windows)
         lamps = [group for group in groups if isinstance(group, LampGroup)]

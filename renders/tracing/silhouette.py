@@ -82,6 +82,21 @@ def pixels_in_view(
     return drawn.astype(np.bool_)
 
 
+def in_sight(pieces: Iterable[Floats], camera: Camera, cam_from_target: RigidTransform) -> bool:
+    """Tell whether any piece can be within the image; it may be hidden behind another.
+
+    The pieces are those of ``pixels_in_view``, the camera any.
+    """
+    normalised = camera.normalise(_border(camera))
+    (left, top), (right, bottom) = normalised.min(axis=0), normalised.max(axis=0)
+    sides = np.array(
+        [[1, 0, -left], [-1, 0, right], [0, 1, -top], [0, -1, bottom], [0, 0, 1]], dtype=np.float64
+    )
+    return any(
+        not ((cam_from_target @ piece) @ sides.T < 0.0).all(axis=0).any() for piece in pieces
+    )
+
+
 def _sides(camera: Camera) -> Floats:
     """Return planes through the lens, (5, 3): a point in the image is on the positive side of all.
 

@@ -162,7 +162,8 @@ def read_records(folder: Path, from_fields: Callable[[Fields], T]) -> list[T]:
             f"expected the truth half of a dataset at {path}, found none; "
             "only datasets rendered here can be scored"
         )
-    records, lines = [], {}
+    records: list[T] = []
+    lines: dict[tuple[object, object], int] = {}
     try:
         tables = read_json_lines(path, MOST_TRUTH_BYTES)
     except UnreadableError as error:

@@ -20,12 +20,12 @@ from typing import Any
 import numpy as np
 
 from models.arrays import Floats, Mask
-from models.dataset.dataset import FILTERED
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
 from models.reading.bounds import FRAME, LENGTH_M, RATE_RAD_S, SPEED_M_S, TIME_S
 from models.reading.fields import Fields
 from renders.truth.exposure_truth import FAR_PX, direction, read_records
+from renders.world.exposure import FILTERED
 
 ORBIT_M = (-1e10, 1e10)
 ORBIT_M_S = (-1e5, 1e5)

@@ -12,29 +12,60 @@ from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
 from renders.truth.image_truth import ImageTruth
 from renders.truth.pixel_truth import unoccluded
-from renders.world.tumble_world import TumbleWorld
-from renders.world.world import Exposure
+from renders.truth.posed_truth import PosedTruth
+from renders.world.exposure import Exposure
+from renders.world.trajectory import FreeMotion
+from renders.world.world import World
 
 CLEARANCE_M = 0.03  # towards the lens: what a wireframe leaves out, such as a blanket's thickness
 
 
 def image_truth(
-    scene: Any, world: TumbleWorld, exposure: Exposure, cam_from_target: RigidTransform
+    scene: Any,
+    world: World,
+    exposure: Exposure,
+    cam_from_target: RigidTransform,
+    *,
+    motion: FreeMotion,
+    wireframe: Wireframe,
 ) -> ImageTruth:
     """Return the sealed record of an image."""
     towards_earth, _ = world.earth_at(exposure.time_s)
     towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
-    points = world.wireframe.points_in_target
+    points = wireframe.points_in_target
     return ImageTruth(
         frame=exposure.frame,
         time_s=exposure.time_s,
         cam_from_target=cam_from_target,
-        state=world.tumble.state(exposure.time_s),
-        chaser=world.tumble.chaser_state(exposure.time_s),
+        state=motion.state(exposure.time_s),
+        chaser=motion.chaser_state(exposure.time_s),
         sun_dir_in_target=np.array(towards_sun),
         earth_dir_in_target=towards_earth,
         landmarks_px=world.camera.project(cam_from_target @ points),
-        landmarks_visible=seen_landmarks(scene, world.wireframe, world.camera, cam_from_target),
+        landmarks_visible=seen_landmarks(scene, wireframe, world.camera, cam_from_target),
+    )
+
+
+def posed_truth(
+    scene: Any,
+    world: World,
+    exposure: Exposure,
+    cam_from_target: RigidTransform,
+    wireframe: Wireframe | None,
+) -> PosedTruth:
+    """Return the sealed record of an image at a given pose."""
+    towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
+    landmarks_px, visible = np.empty((0, 2)), np.empty(0, dtype=np.bool_)
+    if wireframe is not None:
+        landmarks_px = world.camera.project(cam_from_target @ wireframe.points_in_target)
+        visible = seen_landmarks(scene, wireframe, world.camera, cam_from_target)
+    return PosedTruth(
+        frame=exposure.frame,
+        time_s=exposure.time_s,
+        cam_from_target=cam_from_target,
+        sun_dir_in_target=np.array(towards_sun),
+        landmarks_px=landmarks_px,
+        landmarks_visible=visible,
     )
 
 

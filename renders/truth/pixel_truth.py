@@ -173,7 +173,8 @@ def outline_centres_px(
     """Return the centre of area of each marker's projected outline, (n, 2), px.
 
     The outline is projected as a polygon of 256 corners, through distortion and all; its centroid
-    is that of the shoelace formula. Not in front of the camera: NaN.
+    is that of the shoelace formula. NaN where any of it is not in front of the camera or lies
+    beyond the lens's fold.
     """
     angle = 2.0 * np.pi * np.arange(256) / 256
     centres = []

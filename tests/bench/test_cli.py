@@ -17,6 +17,7 @@ import pytest
 
 from bench import cli, verbs
 from bench.cli import main
+from bench.interrupts import told as told_of
 from tests.support.synthetic_dataset import lost_estimate, write_variant
 
 SNAPSHOTS = Path(__file__).with_name("error_messages.json")
@@ -154,9 +155,14 @@ def test_interrupted_says_what_is_kept(monkeypatch, capsys):
     def interrupt(_: object) -> int:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(verbs.List, "run", interrupt)
-    assert main(["list"]) == 130
-    assert "every file written so far is whole and kept" in capsys.readouterr().err
+    for name, verb in {
+        "list": verbs.List,
+        "render": verbs.Render,
+        "estimate": verbs.Estimate,
+    }.items():
+        monkeypatch.setattr(verb, "run", interrupt)
+        assert main([name, *{"render": ["maxar-demo", "--out", "o"]}.get(name, [])]) == 130
+        assert capsys.readouterr().err == f"{told_of(name)}\n"
 
 
 def test_an_interrupt_within_another_error_is_one(monkeypatch, capsys):

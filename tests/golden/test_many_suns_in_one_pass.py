@@ -15,7 +15,7 @@ import pytest
 from models.arrays import Radiance
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.tracing.light_groups import SunGroup
-from renders.world.world import World
+from renders.world.build import world_of
 from tests.support.image_statistics import same_image
 from tests.support.small_scenes import needs_jit
 
@@ -41,9 +41,9 @@ def renderings() -> tuple[dict[str, Radiance], dict[str, Radiance], dict[str, Ra
     from renders.tracing.radiance import Sampling, render_radiance
     from renders.tracing.scene import build_geometry, place_chaser
 
-    world = World(resolve(RenderRequest("maxar-approach", Path("unused"), width=WIDTH)))
+    world = world_of(resolve(RenderRequest("maxar-approach", Path("unused"), width=WIDTH)))
     geometry = build_geometry(world.target, world.chaser, world.optics)
-    scene, pose = geometry.scene(), world.approach.cam_from_target(TIME_S)
+    scene, pose = geometry.scene(), world.trajectory.cam_from_target(TIME_S)
     place_chaser(scene, geometry, pose)
 
     def rendered(groups: list[SunGroup], seed: int) -> dict[str, Radiance]:

@@ -18,6 +18,7 @@ import pytest
 from models.arrays import Radiance
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.tracing.light_groups import LightGroup
+from renders.world.build import world_of
 from renders.world.world import World
 from tests.support.image_statistics import same_image
 from tests.support.small_scenes import needs_jit, run_python
@@ -43,10 +44,10 @@ def renderings(first_seed: int) -> Radiance:
     from renders.tracing.scene import build_geometry, place_chaser
 
     request = RenderRequest("maxar-approach", Path("unused"), sun="S2", width=WIDTH)
-    world = World(resolve(request))
+    world = world_of(resolve(request))
     geometry = build_geometry(world.target, world.chaser, world.optics)
     scene = geometry.scene()
-    pose = world.approach.cam_from_target(TIME_S)
+    pose = world.trajectory.cam_from_target(TIME_S)
     place_chaser(scene, geometry, pose)
     groups = lights(world)
     images = []

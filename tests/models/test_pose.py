@@ -109,6 +109,27 @@ def test_a_matrix_of_another_shape_is_refused() -> None:
         RigidTransform.from_matrix(np.eye(4)[:3])
 
 
+@given(rigid_transforms(), st.sampled_from([6, 7, 9]))
+def test_a_rotation_typed_with_a_few_digits_is_made_exact(a: RigidTransform, digits: int) -> None:
+    """What is accepted composes and inverts like any other, and is what was typed to its digits."""
+    typed = np.round(a.rotation, digits)
+    read = RigidTransform(typed, a.translation)
+    assert np.abs(read.rotation - typed).max() < 2.0 * 10.0**-digits
+    assert np.abs(read.rotation @ read.rotation.T - np.eye(3)).max() < ROUNDING
+    assert_same(read.inverse() @ read, RigidTransform.identity())
+    assert_same((read @ a) @ read.inverse(), read @ (a @ read.inverse()))
+
+
+@given(rigid_transforms())
+def test_an_exact_rotation_is_kept_to_the_bit(a: RigidTransform) -> None:
+    np.testing.assert_array_equal(RigidTransform(a.rotation, a.translation).rotation, a.rotation)
+
+
+def test_numbers_too_large_for_a_rotation_are_refused_quietly() -> None:
+    with pytest.raises(ValueError, match="rotation matrix"):
+        RigidTransform(1e300 * np.ones((3, 3)), np.zeros(3))
+
+
 def test_a_pose_cannot_be_changed_from_outside() -> None:
     shift = np.zeros(3)
     a = RigidTransform(np.eye(3), shift)

@@ -18,6 +18,7 @@ from models.pose import RigidTransform
 from renders.detector.expose import electron_rate, mean_electrons
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.tracing.light_groups import LightGroup
+from renders.world.build import world_of
 from renders.world.world import World
 from tests.support.small_scenes import needs_jit
 
@@ -31,7 +32,7 @@ def _variant() -> None:
 
 @pytest.fixture(scope="module")
 def world() -> World:
-    return World(resolve(RenderRequest("maxar-approach", Path("unused"), sun="S2")))
+    return world_of(resolve(RenderRequest("maxar-approach", Path("unused"), sun="S2")))
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +86,7 @@ def window_charge(
             images[name][pixels] = light
     light = {group: images[group.name].reshape(camera.height, -1) for group in groups}
     optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
-    exposure_ms = world.exposure_ms(time_s, world.knowledge(0).prior)
+    exposure_ms = world.plan.before_any_image(time_s, world.onboard(0).prior)
     rate = electron_rate(light, optics, detector)
     return mean_electrons(rate, exposure_ms, camera, optics, detector)
 
@@ -105,7 +106,7 @@ def test_monte_carlo_noise_is_below_a_third_of_the_detectors(
     from renders.tracing.radiance import marker_windows
     from renders.tracing.scene import place_chaser
 
-    pose = world.approach.cam_from_target(time_s)
+    pose = world.trajectory.cam_from_target(time_s)
     place_chaser(scene, geometry, pose)
     markers = chosen(world, names)
     first, second = (

@@ -18,7 +18,7 @@ from models.lights.sun import PASSBAND_IRRADIANCE_W_M2, sun_direction
 from models.materials import MATERIALS
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.tracing.light_groups import LightGroup, SunGroup
-from renders.world.world import World
+from renders.world.build import world_of
 from tests.support.small_scenes import needs_jit
 
 SUNS = ("S1", "S2", "S6")
@@ -41,8 +41,8 @@ def rendered_views() -> tuple[dict[str, Radiance], dict[str, Radiance]]:
     from renders.tracing.radiance import Sampling, render_radiance
     from renders.tracing.scene import build_geometry, place_chaser
 
-    world = World(resolve(RenderRequest("maxar-demo", Path("unused"), width=WIDTH)))
-    pose = world.approach.cam_from_target(world.scenario.times_s[0])
+    world = world_of(resolve(RenderRequest("maxar-demo", Path("unused"), width=WIDTH)))
+    pose = world.trajectory.cam_from_target(world.scenario.times_s[0])
     geometry = build_geometry(world.target, world.chaser, world.optics)
     scene = geometry.scene()
     place_chaser(scene, geometry, pose)

@@ -72,17 +72,17 @@ def test_the_exposure_schedule_keeps_a_boresight_marker_at_half_to_seventy_perce
     from pathlib import Path
 
     from renders.scenario.scenario import RenderRequest, resolve
-    from renders.world.world import World
+    from renders.world.build import world_of
 
-    world = World(resolve(RenderRequest("maxar-approach", Path("unused"), rate_hz=0.02)))
+    world = world_of(resolve(RenderRequest("maxar-approach", Path("unused"), rate_hz=0.02)))
     optics, detector = Optics(), Detector()
     assert world.scenario.simulated_detector == detector
     per_second = electrons_per_radiance(optics, detector, 850.0)
     for run in range(20):
-        prior = world.knowledge(run).prior
+        prior = world.onboard(run).prior
         for time_s in world.scenario.times_s:
-            truth: RigidTransform = world.approach.cam_from_target(time_s)
+            truth: RigidTransform = world.trajectory.cam_from_target(time_s)
             radiance = 0.6 / (np.pi * np.sin(np.deg2rad(2.0)) ** 2) * 12.0
             radiance /= truth.translation[2] ** 2
-            charge = radiance * per_second * world.exposure_ms(time_s, prior) * 1e-3
+            charge = radiance * per_second * world.plan.before_any_image(time_s, prior) * 1e-3
             assert 0.5 <= charge / detector.full_well_e <= 0.7

@@ -1,4 +1,4 @@
-"""One tiny dataset, rendered once for all tests that read, replay or damage a copy of it."""
+"""Tiny datasets, rendered once for all tests that read, replay or damage a copy of them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from renders.scenario.scenario import RenderRequest, resolve
+from models.arrays import Floats
+from renders.scenario.scenario import RenderRequest, Scenario, resolve
 from renders.store.radiance_store import RadianceStore
+from renders.world.build import world_of
+from renders.world.trajectory import FreeMotion
 from renders.world.world import World
 from tests.support.small_scenes import activate_best, needs_jit
+from tests.support.tumble_scenario import tumble_table
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class TinyDataset:
 
     @property
     def world(self) -> World:
-        return World(resolve(self.request))
+        return world_of(resolve(self.request))
 
     def render(self) -> str:
         """Render what is not there, and return what was printed."""
@@ -104,3 +108,42 @@ def traced(monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
 
     monkeypatch.setattr(radiance, "render_radiance", counted)
     return lambda: len(calls)
+
+
+class TinyTumble(TinyDataset):
+    """A rendered case of three single images."""
+
+    @property
+    def motion(self) -> FreeMotion:
+        absolute = self.world.absolute
+        assert absolute is not None
+        return absolute
+
+    @property
+    def landmarks(self) -> Floats:
+        wireframe = self.world.onboard(0).wireframe
+        assert wireframe is not None
+        return wireframe.points_in_target
+
+
+@pytest.fixture(scope="session")
+def tumbled_once(tmp_path_factory: pytest.TempPathFactory) -> TinyTumble:
+    """Never changed: see ``tumbled`` for a copy that may be."""
+    needs_jit()
+    home = tmp_path_factory.mktemp("tumble")
+    case = home / "small.toml"
+    case.write_text(Scenario.model_validate(tumble_table()).to_toml())
+    dataset = TinyTumble(RenderRequest(str(case), home / "out", store=home / "store"))
+    dataset.render()
+    return dataset
+
+
+@pytest.fixture
+def tumbled(tumbled_once: TinyTumble, tmp_path: Path) -> TinyTumble:
+    """Return a copy with a store of its own, to be damaged."""
+    shutil.copytree(tumbled_once.folder, tmp_path / "out")
+    shutil.copytree(tumbled_once.store.folder, tmp_path / "store")
+    record = tmp_path / "out" / "truth" / "light.json"
+    theirs, ours = tumbled_once.store.folder.resolve(), (tmp_path / "store").resolve()
+    record.write_text(record.read_text().replace(str(theirs), str(ours)))
+    return TinyTumble(replace(tumbled_once.request, out=tmp_path / "out", store=tmp_path / "store"))

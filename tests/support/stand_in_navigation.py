@@ -11,14 +11,16 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from bench.scoring.cramer_rao import pose_bound
 from scipy.spatial.transform import Rotation
 
+from bench.scoring.pairs.cramer_rao import pose_bound
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
+from models.onboard import OnboardKnowledge
 from models.pose import RigidTransform
+from pipelines.pipeline import RegisteredPipeline
 from pipelines.uncooperative.knowledge import PointFrame, Seen, UncooperativeKnowledge, seen
 
 VARIANTS = ("paper", "best")
@@ -109,3 +111,18 @@ class Uncooperative:
         assert covariance is not None
         said = PoseEstimate(pose, covariance, sigma)
         return Estimate(frame.index, frame.time_s, said, detections=found)
+
+
+def made(onboard: OnboardKnowledge, variant: str) -> Uncooperative:
+    """Make one from what is on board, for the registry."""
+    return Uncooperative(UncooperativeKnowledge.of(onboard), options_for(variant))
+
+
+PIPELINE = RegisteredPipeline(
+    name="stand_in",
+    make=made,
+    streams=("image", "chaser_orbit"),
+    variants=VARIANTS,
+    settings=lambda variant: repr(options_for(variant)),
+    label=lambda variant: variant,
+)

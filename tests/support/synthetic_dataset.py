@@ -20,6 +20,7 @@ from models.dataset.description import DatasetInfo, Stream, info_to_json
 from models.dataset.estimates_file import write_estimates
 from models.dataset.frame_table import FrameEntry, frames_to_csv
 from models.dataset.image_file import encode_image
+from models.dataset.marker_file import markers_to_toml
 from models.dataset.onboard_files import onboard_texts
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import IMAGE_800, IMAGE_850
@@ -159,6 +160,7 @@ def write_dataset(
     for name, text in texts.items():
         (folder / name).write_text(text)
     (folder / "truth" / "parts.json").write_text(json.dumps(["bus"]))
+    (folder / "truth" / "markers.toml").write_text(markers_to_toml(pattern))
     truths = [
         true_exposure(e.index, band, e.time_s - (PAIR_GAP_S if band == 800 else 0.0), pose, camera)
         for e, pose in zip(entries, poses, strict=True)

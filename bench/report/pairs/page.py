@@ -152,7 +152,9 @@ def _calibration(scenario: dict[str, dict[str, Any]]) -> str:
     table = scenario.get("calibration")
     if table is None:
         return "what ours carry is not on record"
-    focal, centre = table["sigma_focal_px"], table["sigma_principal_point_px"]
+    focal, centre = table.get("sigma_focal_px"), table.get("sigma_principal_point_px")
+    if not isinstance(focal, int | float) or not isinstance(centre, int | float):
+        return "what ours carry is not on record"
     if focal == 0.0 and centre == 0.0:
         return "ours are calibrated exactly"
     return f"ours carry {focal:g} px in focal length and {centre:g} px in principal point"

@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.estimating.runs import Run
 from bench.scoring import metrics
-from bench.scoring.judgement import Judgement, is_wrong
+from bench.scoring.judgement import Counts, Judgement, TrueScene, is_wrong
 from bench.scoring.limits import Limits, read_limits
 from bench.scoring.pairs.centroids import CentroidErrors
 from bench.scoring.pairs.detections import (
@@ -26,10 +26,13 @@ from models.dataset.marker_file import read_markers
 from models.errors import DatasetError
 from models.estimate import Estimate
 from models.markers import MarkerPattern
+from models.onboard import needed
 from models.pose import PoseError, pose_error
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from renders.scenario.scenario import read_scenario
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
+
+HALF = 0.5  # of a marker, in sunlight
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,18 @@ class JudgedFrame(Judgement):
     frame: TrueFrame
     detections: JudgedDetections
     error: PoseError | None
+
+    @property
+    def counts(self) -> Counts:
+        """The markers of this frame."""
+        expected = self.frame.markers.expected
+        return Counts(
+            expected=int(expected.sum()),
+            found=int(expected[self.detections.found].sum()),
+            mismatched=int(self.detections.mismatch.sum()),
+            used=len(self.detections.solved_with),
+            in_sun=int((self.frame.truth.sun_lit >= HALF).sum()),
+        )
 
 
 def read_true_dataset(dataset: Dataset) -> TrueDataset:
@@ -189,6 +204,18 @@ def _judged(run: int, said: Estimate, frame: TrueFrame, limits: Limits) -> Judge
         detections=judge(said.detected, frame.markers),
         error=error,
     )
+
+
+def judge_alone(said: Estimate, record: ExposureTruth, scene: TrueScene) -> JudgedFrame:
+    """Hold one estimate of one pair against the sealed record of its 850 nm exposure."""
+    pattern = needed(scene.markers, "markers.toml", "judging pairs")
+    frame = TrueFrame(
+        entry=FrameEntry(record.frame, record.time_s),
+        truth=record,
+        markers=visible_markers(record, scene.camera, pattern),
+        range_m=float(np.linalg.norm(record.cam_from_target.translation)),
+    )
+    return _judged(0, said, frame, scene.limits)
 
 
 def centroid_errors(judged: Iterable[JudgedFrame]) -> CentroidErrors:

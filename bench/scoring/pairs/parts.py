@@ -41,11 +41,11 @@ def centroid_score(judged: Runs, truth: TrueDataset, label: str) -> CentroidScor
 def detection(judged: Runs, truth: TrueDataset, label: str) -> DetectionScore:
     """Count what was found, missed and mistaken in run 0.
 
-    Of a pipeline that never tells what it detected nothing can be said.
+    A pipeline that tells of no detections, in no frame, has no recall.
     """
     score = detection_score([(each.detections, each.frame.markers) for each in judged[0]])
-    silent = all(each.estimate.detections is None for each in judged[0])
-    return replace(score, recall=None) if silent else score
+    told = any(each.estimate.detections is not None for each in judged[0])
+    return score if told else replace(score, recall=None)
 
 
 def statistics(judged: Runs, truth: TrueDataset, label: str) -> PaperStatistics:

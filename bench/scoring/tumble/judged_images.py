@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.estimating.runs import Run
-from bench.scoring import metrics
-from bench.scoring.judgement import Judgement, is_wrong
+from bench.scoring.judgement import Counts, Judgement, TrueScene, is_wrong
 from bench.scoring.limits import Limits, read_limits
+from bench.scoring.metrics import POSE_DOF, frame_nees
 from bench.scoring.tumble.navigation_errors import (
     NavigationError,
     navigation_error,
@@ -22,7 +22,7 @@ from models.dataset.dataset import Dataset
 from models.errors import DatasetError
 from models.estimate import Estimate
 from models.motion.relative_state import relative_state
-from models.pose import RigidTransform, pose_error
+from models.pose import RigidTransform
 from models.wireframe.visibility import visible_landmarks
 from models.wireframe.wireframe import Wireframe
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
@@ -46,7 +46,7 @@ class Corners:
     found, found_lit : int
         Of those, with a corner within 3 px.
     detected : int
-        Corners in all.
+        Corners in all; 0 where the pipeline tells of none.
     square_px : float
         Sum of the squared distances of those found, px2.
     """
@@ -94,6 +94,17 @@ class JudgedImage(Judgement):
     confusion: str | None
     corners: Corners
 
+    @property
+    def counts(self) -> Counts:
+        """The landmarks of this image."""
+        corners = self.corners
+        return Counts(
+            expected=corners.visible,
+            found=corners.found,
+            used=sum(self.estimate.detected.used),
+            in_sun=corners.lit,
+        )
+
     def row(self) -> dict[str, Any]:
         """Return what single images add to a frame of ``per_frame``: None for NaN."""
         error = {
@@ -108,16 +119,23 @@ def read_true_images(dataset: Dataset) -> TrueImages:
     Raises
     ------
     DatasetError
-        If the truth half is missing or lacks a frame.
+        If the truth half is missing or lacks a frame, or the wireframe on board is another's.
     """
     truths = read_image_truths(dataset.folder)
+    knowledge = UncooperativeKnowledge.of(dataset.onboard)
+    path, landmarks = dataset.folder / "truth" / "exposures.jsonl", len(knowledge.target)
     for index in dataset.indices:
         if index not in truths:
             raise DatasetError(
-                f"{dataset.folder}/truth/exposures.jsonl: expected frame {index}, found none; "
+                f"{path}: expected frame {index}, found none; "
                 "run the render again, it goes on where it stopped"
             )
-    knowledge = UncooperativeKnowledge.of(dataset.onboard)
+        if len(truths[index].landmarks_px) != landmarks:
+            raise DatasetError(
+                f"{path}: expected {landmarks} landmarks, as in wireframe.json, got "
+                f"{len(truths[index].landmarks_px)} in frame {index}; "
+                "the two halves are of different renders"
+            )
     return TrueImages(dataset, truths, knowledge, read_limits(dataset.folder))
 
 
@@ -130,46 +148,38 @@ def true_images(dataset: Dataset) -> dict[int, ImageTruth]:
 def judge_run(run: Run, truth: TrueImages) -> list[JudgedImage]:
     """Hold one run's estimates against the truth.
 
-    A frame is missed if its image gave no pose once there had been a state. A pipeline that keeps
-    no state at all is judged by the poses of its images.
+    A pipeline stands by its state; one that keeps none, in no frame, by the image's own pose. A
+    frame is missed if its image gave no pose once there had been one that it stood by.
     """
-    filtered = any(relative_state(said) is not None for said in run.estimates.values())
     judged: list[JudgedImage] = []
+    keeps_state = any(relative_state(each) is not None for each in run.estimates.values())
     begun = False
     for index in truth.dataset.indices:
         said, was = run.estimates[index], truth.by_frame[index]
-        if filtered:
-            begun = begun or relative_state(said) is not None
-            judged.append(judged_image(run.number, said, was, truth, begun))
-        else:
-            begun = begun or said.pose is not None
-            judged.append(_judged_pose(run.number, said, was, truth, begun))
+        begun = begun or (relative_state(said) if keeps_state else said.pose) is not None
+        judged.append(
+            judged_image(
+                run.number, said, was, truth.knowledge, truth.limits, begun, keeps_state=keeps_state
+            )
+        )
     return judged
 
 
-def _judged_pose(
-    run: int, said: Estimate, was: ImageTruth, truth: TrueImages, begun: bool
-) -> JudgedImage:
-    """Hold the pose of an image alone against its truth."""
-    judged = judged_image(run, said, was, truth, begun)
-    if said.pose is None:
-        return judged
-    pose = said.pose.cam_from_target
-    error = pose_error(pose, was.cam_from_target)
-    position_m, attitude_deg = float(np.linalg.norm(error.position_m)), error.attitude_deg
-    squares = ((metrics.frame_nees(said.pose, was.cam_from_target), metrics.POSE_DOF),)
-    target, beyond = truth.knowledge.target, attitude_deg > truth.limits.wrong_attitude_deg
-    return replace(
-        judged,
-        position_m=position_m,
-        attitude_deg=attitude_deg,
-        wrong=is_wrong(position_m, attitude_deg, squares, truth.limits),
-        confusion=confusion_of(pose, was.cam_from_target, target) if beyond else None,
-    )
+def judge_alone(said: Estimate, record: ImageTruth, scene: TrueScene) -> JudgedImage:
+    """Hold one estimate of one image against its sealed record."""
+    knowledge = UncooperativeKnowledge.of(scene.onboard)
+    return judged_image(0, said, record, knowledge, scene.limits, begun=True)
 
 
 def judged_image(
-    run: int, said: Estimate, was: ImageTruth, truth: TrueImages, begun: bool
+    run: int,
+    said: Estimate,
+    was: ImageTruth,
+    knowledge: UncooperativeKnowledge,
+    limits: Limits,
+    begun: bool,
+    *,
+    keeps_state: bool = True,
 ) -> JudgedImage:
     """Hold one estimate against the truth of its image.
 
@@ -178,23 +188,32 @@ def judged_image(
     run : int
     said : Estimate
     was : ImageTruth
-    truth : TrueImages
+    knowledge : UncooperativeKnowledge
+    limits : Limits
     begun : bool
-        Whether there has been a state, in this frame or before.
+        Whether there has been a pose that it stands by, in this frame or before.
+    keeps_state : bool
+        Whether that is its state's, and not the image's own.
     """
-    knowledge = truth.knowledge
     error = navigation_error(said, was.state, knowledge.cam_from_lvlh)
+    pose: RigidTransform | None = None
+    position_m = attitude_deg = confusion = None
+    squares: tuple[tuple[float | None, int], ...] = ()
     state = relative_state(said)
-    position_m = None if state is None else error.position_m
-    attitude_deg = None if state is None else error.attitude_deg
-    confusion = None
-    if state is not None and error.attitude_deg > truth.limits.wrong_attitude_deg:
+    if state is not None:
         pose = state.cam_from_target(knowledge.cam_from_lvlh)
+        position_m, attitude_deg = error.position_m, error.attitude_deg
+        squares = (
+            (_known(error.nees_translation), STATE_DOF),
+            (_known(error.nees_rotation), STATE_DOF),
+        )
+    elif said.pose is not None and not keeps_state:
+        pose = said.pose.cam_from_target
+        position_m, attitude_deg = error.raw_position_m, error.raw_attitude_deg
+        squares = ((frame_nees(said.pose, was.cam_from_target), POSE_DOF),)
+    turned = attitude_deg is not None and attitude_deg > limits.wrong_attitude_deg
+    if pose is not None and turned:
         confusion = confusion_of(pose, was.cam_from_target, knowledge.target)
-    squares = (
-        (_known(error.nees_translation), STATE_DOF),
-        (_known(error.nees_rotation), STATE_DOF),
-    )
     return JudgedImage(
         run=run,
         estimate=said,
@@ -202,7 +221,7 @@ def judged_image(
         position_m=position_m,
         attitude_deg=attitude_deg,
         missed=begun and said.pose is None,
-        wrong=is_wrong(position_m, attitude_deg, squares, truth.limits),
+        wrong=is_wrong(position_m, attitude_deg, squares, limits),
         error=error,
         confusion=confusion,
         corners=corners_found(said.detected.points_px, was, knowledge.target),

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from bench.estimating.starts import read_starts
+from bench.estimating.starts import read_starts, starts_path
 from bench.scoring.asked import Check, checks
 from bench.scoring.core_score import Sizes, sizes
 from bench.scoring.judgement import without_numbers
 from bench.scoring.tumble.judged_images import STATE_DOF, JudgedImage, TrueImages, confusion_of
 from bench.scoring.tumble.navigation_errors import pose_error_sizes
 from bench.scoring.tumble.score_card import CornerScore, Limit, StartsScore, StateScore
+from models.errors import DatasetError
 
 CONFIDENCE = 0.95
 BINS = 4
@@ -29,7 +30,7 @@ Runs = Sequence[Sequence[JudgedImage]]
 def state(judged: Runs, truth: TrueImages, label: str) -> StateScore:
     """Summarise the filtered state of run 0."""
     frames = judged[0]
-    states = [each for each in frames if each.position_m is not None]
+    states = [each for each in frames if not np.isnan(each.error.position_m)]
     first = states[0].estimate.frame if states else None
     after = [each for each in frames if first is not None and each.estimate.frame >= first]
     lost = sum(each.lost for each in after)
@@ -95,20 +96,21 @@ def _nees(squares: Sequence[float]) -> dict[str, float | None]:
 
 
 def corner_score(frames: Sequence[JudgedImage]) -> CornerScore:
-    """Pool the corners of all frames."""
+    """Pool the corners of all frames; of a pipeline that tells of none, what was there to find."""
     corners = [each.corners for each in frames]
+    told = any(each.estimate.detections is not None for each in frames)
     visible, lit = sum(c.visible for c in corners), sum(c.lit for c in corners)
     found, found_lit = sum(c.found for c in corners), sum(c.found_lit for c in corners)
     detected = sum(c.detected for c in corners)
     square = sum(c.square_px for c in corners)
     count = max(1, len(corners))
     return CornerScore(
-        repeatability=_ratio(found, visible),
-        repeatability_lit=_ratio(found_lit, lit),
-        repeatability_dark=_ratio(found - found_lit, visible - lit),
+        repeatability=_ratio(found, visible) if told else None,
+        repeatability_lit=_ratio(found_lit, lit) if told else None,
+        repeatability_dark=_ratio(found - found_lit, visible - lit) if told else None,
         rms_px=float(np.sqrt(0.5 * square / found)) if found else None,
         precision=_ratio(found, detected),
-        detected=detected / count,
+        detected=detected / count if told else None,
         visible=visible / count,
         lit_share=_ratio(lit, visible),
     )
@@ -125,6 +127,8 @@ def limits_of(frames: Sequence[JudgedImage]) -> list[Limit]:
         "sunlit share": [each.corners.lit / max(1, each.corners.visible) for each in frames],
         "corners found": [each.corners.found / max(1, each.corners.visible) for each in frames],
     }
+    if all(each.estimate.detections is None for each in frames):
+        del measures["corners found"]
     found = []
     for name, values in measures.items():
         for part in np.array_split(np.argsort(values, kind="stable"), min(BINS, len(frames))):
@@ -151,6 +155,11 @@ def starts_score(truth: TrueImages, label: str) -> StartsScore | None:
     for start in tried:
         if start.cam_from_target is None or start.pose_frame is None:
             continue
+        if start.pose_frame not in truth.by_frame:
+            raise DatasetError(
+                f"{starts_path(truth.dataset.folder, label)}: expected frames of the dataset, got "
+                f"{start.pose_frame}; delete it and estimate again: only what is missing is done"
+            )
         was = truth.by_frame[start.pose_frame].cam_from_target
         moved_m, turned_deg = pose_error_sizes(start.cam_from_target, was)
         if moved_m > limit.wrong_position_m or turned_deg > limit.wrong_attitude_deg:

@@ -82,6 +82,8 @@ class StartsScore:
 class CornerScore:
     """How many of the landmarks that an image shows were found, over all frames.
 
+    Of a pipeline that tells of no corners only ``visible`` and ``lit_share`` are known.
+
     Attributes
     ----------
     repeatability, repeatability_lit, repeatability_dark : float or None
@@ -91,7 +93,7 @@ class CornerScore:
     precision : float or None
         Those found over all corners.
     detected, visible : float
-        Mean numbers a frame.
+        Mean numbers a frame; ``detected`` may be None.
     lit_share : float or None
         Of the visible landmarks.
     """
@@ -101,7 +103,7 @@ class CornerScore:
     repeatability_dark: float | None
     rms_px: float | None
     precision: float | None
-    detected: float
+    detected: float | None
     visible: float
     lit_share: float | None
 

@@ -20,6 +20,7 @@ from bench.suites.pesce2019.synthetic_points import PointNoise
 from bench.suites.pesce2019.tracking_run import TrackingTask, track
 from bench.suites.units import WorkUnit
 from models.errors import ScenarioError
+from models.reading.options import check_option
 
 PARTS = ("table5", "table6", "table7", "table8", "vinag")
 VARIANTS = ("paper", "best")
@@ -29,6 +30,7 @@ TRACKED_CASES = ("1", "2", "3", "4", "5")
 SIGMAS_PX = (2.0, 3.0, 4.0, 5.0, 6.0)
 OUTLIERS = (1, 2, 3, 4, 5)
 TABLE_RUNS = 100  # of the acquisitions are Table 5's; the others tell the failure rate of best
+MOST_RUNS, MOST_SEED = 100_000, 2**32 - 1
 CHUNK = 20  # acquisitions of one unit
 MOST_IMAGES = 100  # Algorithm 1 takes the next image for as long as it takes
 RATE_HZ = 1.0
@@ -65,13 +67,10 @@ class Sizes:
     paper_runs: int | None = None
 
     def __post_init__(self) -> None:
-        for name, least in (("runs", 1), ("acquisitions", 1), ("seeds", 1)):
-            if getattr(self, name) < least:
-                raise ScenarioError(
-                    f"expected --{name} of at least {least}, got {getattr(self, name)}"
-                )
-        if self.paper_runs is not None and self.paper_runs < 1:
-            raise ScenarioError(f"expected --paper-runs of at least 1, got {self.paper_runs}")
+        for name in ("runs", "acquisitions", "seeds"):
+            check_option(f"--{name}", getattr(self, name), 1, MOST_RUNS, whole=True)
+        check_option("--paper-runs", self.paper_runs, 1, MOST_RUNS, whole=True)
+        check_option("--seed", self.seed, 0, MOST_SEED, whole=True)
         if not 60.0 <= self.duration_s <= 1e5:
             raise ScenarioError(
                 "expected --duration-s from 60 (the errors count from 50 s on) to 100000, "

@@ -10,11 +10,21 @@ import pytest
 import renders.batches.render_case
 import renders.batches.replay
 from bench import api
-from bench.estimating.repeated_runs import is_done, repeat_runs
-from bench.estimating.runs import estimates_path, found_runs, run_folder, runtimes_path
-from models.dataset.dataset import read_frames, read_knowledge
+from bench.estimating import contenders
+from bench.estimating.repeated_runs import repeat_runs, runs_left
+from bench.estimating.runs import (
+    estimates_path,
+    found_runs,
+    read_stamp,
+    run_folder,
+    runtimes_path,
+    stamp_path,
+)
+from models.dataset.dataset import open_dataset
 from models.dataset.estimates_file import read_estimates, read_runtimes
 from models.errors import DatasetError
+from models.frame import IMAGE_850
+from pipelines.registry import registered_pipeline
 from tests.support.synthetic_dataset import write_dataset
 
 A_MILLIMETRE = 1.0
@@ -34,10 +44,12 @@ def test_every_frame_of_every_variant_is_estimated(scored_dataset):
 def test_poses_are_right(scored_dataset):
     """Discs of 2 to 3 px radius at 3 m: the bound is about 0.2 mm, a millimetre five of it."""
     score = api.score(scored_dataset.folder)["pipelines"]["best"]
-    assert score["estimated"] == 4
-    assert max(score["position_error_mm"]["rms"]) < A_MILLIMETRE
-    assert score["detection"]["mismatches"] == 0
-    assert score["detection"]["recall"] == 1.0
+    core, detection = score["core"], score["parts"]["detection"]
+    assert core["estimated"] == 4
+    assert max(score["parts"]["axes"]["run_0"]["position_rms_mm"]) < A_MILLIMETRE
+    assert core["wrong"]["count"] == 0
+    assert detection["mismatches"] == 0
+    assert detection["recall"] == 1.0
 
 
 @pytest.fixture
@@ -49,13 +61,21 @@ def replayed(tmp_path, monkeypatch):
     def exposed_frames(folder, run):
         exposed.append(run)
         rng = np.random.default_rng(run)
+        opened = open_dataset(folder)
 
         def noisy(frame):
-            noise = rng.normal(0.0, 2.0, frame.image_850.shape)
-            image = np.clip(frame.image_850 + noise, 0, 4095).astype(np.uint16)
-            return dataclasses.replace(frame, image_850=image)
+            reading = frame.image(IMAGE_850)
+            noise = rng.normal(0.0, 2.0, reading.image.shape)
+            image = np.clip(reading.image + noise, 0, 4095).astype(np.uint16)
+            seen = {**frame.readings, IMAGE_850: dataclasses.replace(reading, image=image)}
+            return dataclasses.replace(frame, readings=seen)
 
-        return read_knowledge(folder), (noisy(frame) for frame in read_frames(folder))
+        told = opened.onboard
+        prior = told.prior.cam_from_target.perturbed(np.zeros(3), [1e-3 * run, 0.0, 0.0])
+        drawn = dataclasses.replace(
+            told, prior=dataclasses.replace(told.prior, cam_from_target=prior)
+        )
+        return drawn, (noisy(frame) for frame in opened.frames())
 
     monkeypatch.setattr(renders.batches.replay, "exposed_frames", exposed_frames)
     api.estimate(dataset.folder)
@@ -70,11 +90,17 @@ def test_runs_are_done_once(replayed):
     assert repeat_runs(dataset.folder, 4) == [3]
     assert exposed == [1, 2, 3]
     assert found_runs(dataset.folder, "best") == [0, 1, 2, 3]
-    assert (run_folder(dataset.folder, 1) / "prior.toml").is_file()
+    own = run_folder(dataset.folder, 1)
+    assert (own / "prior.toml").is_file()
+    assert not (own / "camera.toml").exists()  # the dataset's own
+    drawn = open_dataset(dataset.folder).onboard_in(own).prior.cam_from_target
+    first = dataset.onboard.prior.cam_from_target
+    assert drawn.translation - first.translation == pytest.approx([1e-3, 0.0, 0.0], abs=1e-12)
     score = api.score(dataset.folder)
     assert score["runs"] == 4
-    pooled = score["pipelines"]["best"]["pooled"]
-    assert (pooled["frames"], pooled["centroid_error_px"]["temporal_std"] is None) == (8, False)
+    best = score["pipelines"]["best"]
+    assert (best["core"]["pooled"]["runs"], best["core"]["pooled"]["frames"]) == (4, 8)
+    assert best["parts"]["centroids"]["pooled"]["temporal_std"] is not None
 
 
 def test_a_broken_run_is_done_again(replayed):
@@ -83,10 +109,40 @@ def test_a_broken_run_is_done_again(replayed):
     path = estimates_path(dataset.folder, 1, "paper")
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    assert not is_done(dataset.folder, 1)
+    assert runs_left(dataset.folder, 2) == [1]
     assert repeat_runs(dataset.folder, 2) == [1]
     assert path.read_bytes() == whole
     assert exposed == [1, 1]
+
+
+def test_a_run_is_done_again_with_other_settings(replayed, monkeypatch):
+    """The stamp says with which settings, whose pipelines' each: other settings, another run."""
+    dataset, exposed = replayed
+    repeat_runs(dataset.folder, 2)
+    stamp = read_stamp(dataset.folder, 1)
+    assert set(stamp) == {"dataset", "settings_best", "settings_paper"}
+    assert stamp["settings_best"] != stamp["settings_paper"]
+    assert runs_left(dataset.folder, 2) == []
+    registered = registered_pipeline("chaser_fixed")
+    other = dataclasses.replace(registered, settings=lambda variant: f"{variant}, but other")
+    monkeypatch.setattr(contenders, "registered_pipeline", lambda name: other)
+    assert runs_left(dataset.folder, 2) == [1]
+    assert repeat_runs(dataset.folder, 2) == [1]
+    assert exposed == [1, 1]
+    assert read_stamp(dataset.folder, 1)["settings_best"] != stamp["settings_best"]
+
+
+@pytest.mark.parametrize("stamp", ["", "{", "[]", '{"dataset": "another"}'])
+def test_a_run_whose_stamp_is_no_stamp_is_done_again(replayed, stamp):
+    dataset, _ = replayed
+    repeat_runs(dataset.folder, 2)
+    stamp_path(dataset.folder, 1).write_text(stamp)
+    assert runs_left(dataset.folder, 3) == [1, 2]
+
+
+def test_a_folder_without_a_dataset_has_all_runs_left(tmp_path):
+    assert runs_left(tmp_path / "none", 3) == [1, 2]
+    assert runs_left(tmp_path / "none", 1) == []
 
 
 def test_a_run_of_other_frames_is_done_again_and_never_scored(replayed):
@@ -94,7 +150,7 @@ def test_a_run_of_other_frames_is_done_again_and_never_scored(replayed):
     repeat_runs(dataset.folder, 2)
     info = dataset.folder / "dataset.json"
     info.write_text(info.read_text().replace('"S2"', '"S4"'))
-    assert not is_done(dataset.folder, 1)
+    assert runs_left(dataset.folder, 2) == [1]
     with pytest.raises(DatasetError, match="expected estimates of this dataset, got another's"):
         api.score(dataset.folder)
     repeat_runs(dataset.folder, 2)

@@ -1,5 +1,9 @@
 """Anybody's image pairs: taken as they come, or refused with a reason that can be acted on."""
 
+import os
+import shutil
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
@@ -12,11 +16,10 @@ from bench.estimating.foreign_frames import (
     read_grey,
     read_pairs,
 )
-from models.dataset.dataset import image_path
 from models.dataset.estimates_file import read_estimates
 from models.errors import DatasetError, ScenarioError
 from models.pose import pose_error
-from tests.support.synthetic_dataset import SyntheticDataset, write_dataset
+from tests.support.synthetic_dataset import SyntheticDataset, image_path, write_dataset
 
 THREE_MILLIMETRES = 3e-3  # eight bits leave 256 levels: about ten times the bound at 3 m
 RATE_HZ = 0.1  # of the synthetic dataset
@@ -53,8 +56,8 @@ def test_eight_bit_pairs_of_any_name(pairs):
     estimates = read_estimates(paths[1])
     assert [estimate.frame for estimate in estimates] == [0, 1, 2]
     for estimate, truth in zip(estimates, dataset.truths, strict=True):
-        assert estimate, estimate
-        error = pose_error(estimate.cam_from_target, truth.cam_from_target)
+        assert estimate.pose, estimate
+        error = pose_error(estimate.pose.cam_from_target, truth.cam_from_target)
         assert np.linalg.norm(error.position_m) < THREE_MILLIMETRES
 
 
@@ -112,6 +115,71 @@ def test_another_cameras_images(pairs):
         list(read_pairs(find_pairs(folder, 1.0), dataset.camera.resized(256)))
 
 
+def rewritten(folder: Path, suffix: str) -> None:
+    """Write every image of a folder again as another kind of file."""
+    for path in list(folder.glob("*.png")):
+        image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        path.unlink()
+        ok, data = cv2.imencode(suffix.lower(), image, [cv2.IMWRITE_JPEG_QUALITY, 100])
+        assert ok
+        path.with_suffix(suffix).write_bytes(data.tobytes())
+
+
+@pytest.mark.parametrize("suffix", [".PNG", ".tif", ".TIFF", ".jpg", ".JPEG"])
+def test_pairs_of_other_kinds_and_cases(pairs, suffix, capsys):
+    dataset, folder = pairs
+    rewritten(folder, suffix)
+    best = read_estimates(run(dataset, folder)[1])
+    for estimate, truth in zip(best, dataset.truths, strict=True):
+        error = pose_error(estimate.cam_from_target, truth.cam_from_target)
+        assert np.linalg.norm(error.position_m) < THREE_MILLIMETRES
+    warned = "there are JPEGs among these images" in capsys.readouterr().err
+    assert warned == suffix.lower().startswith(".jp")
+
+
+def test_what_was_seen_instead_is_told(pairs):
+    _, folder = pairs
+    for path in list(folder.iterdir()):
+        path.rename(path.with_suffix(".bmp"))
+    (folder / "notes.txt").touch()
+    with pytest.raises(DatasetError, match=r"none among 6 \.bmp, 1 \.txt, such as notes"):
+        find_pairs(folder, 1.0)
+
+
+def test_two_images_for_one_place(pairs):
+    _, folder = pairs
+    shutil.copy(folder / "shot9_850.png", folder / "shot9_850.PNG")
+    with pytest.raises(DatasetError, match=r"expected one image shot9_850, found .*; take one"):
+        find_pairs(folder, 1.0)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif"])
+def test_one_detector_took_them_all(pairs, suffix):
+    """A PNG of other bits is refused before the first frame, another file when it is read."""
+    dataset, folder = pairs
+    rewritten(folder, suffix)
+    last = folder / f"shot11_800{suffix}"
+    image = cv2.imread(str(last), cv2.IMREAD_UNCHANGED).astype(np.uint16)
+    cv2.imwrite(str(last), 257 * image)
+    with pytest.raises(DatasetError, match=f"shot11_800{suffix}: expected 8 bits, .*, got 16"):
+        run(dataset, folder)
+    assert not (folder / "estimates").exists()
+
+
+def test_a_later_image_of_another_size_is_found_before_the_first_is_read(pairs, monkeypatch):
+    dataset, folder = pairs
+    cv2.imwrite(str(folder / "shot11_850.png"), np.zeros((64, 64), np.uint8))
+    monkeypatch.setattr("bench.estimating.foreign_frames.estimate_run", None)
+    with pytest.raises(DatasetError, match=r"shot11_850\.png: expected 512 x 512 pixels"):
+        run(dataset, folder)
+
+
+def test_a_pipe_is_no_image(tmp_path):
+    os.mkfifo(tmp_path / "a_850.png")
+    with pytest.raises(DatasetError, match="found something that is no file"):
+        read_grey(tmp_path / "a_850.png")
+
+
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan")])
 def test_a_rate_that_is_none(pairs, rate_hz):
     dataset, folder = pairs
@@ -135,9 +203,12 @@ def test_kinds_of_image(tmp_path):
     cv2.imwrite(str(tmp_path / "colour.png"), colour)
     with pytest.raises(DatasetError, match="expected a grey image of 8 or 16 bits"):
         read_grey(tmp_path / "colour.png")
-    (tmp_path / "half.png").write_bytes((tmp_path / "grey8.png").read_bytes()[:40])
-    with pytest.raises(DatasetError, match="expected a whole PNG"):
-        read_grey(tmp_path / "half.png")
+    for kind, suffix in {"PNG": ".png", "JPEG": ".jpg", "TIFF": ".tif"}.items():
+        half = tmp_path / f"half{suffix}"
+        cv2.imwrite(str(half), np.tile(grey, (50, 50)))
+        half.write_bytes(half.read_bytes()[: half.stat().st_size // 2])
+        with pytest.raises(DatasetError, match=f"expected a whole {kind}"):
+            read_grey(half)
     with pytest.raises(DatasetError, match="expected an image at"):
         read_grey(tmp_path / "absent.png")
 

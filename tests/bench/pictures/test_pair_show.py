@@ -1,5 +1,6 @@
 """The picture of a frame, with whatever of estimate and truth there is."""
 
+import dataclasses
 import shutil
 
 import cv2
@@ -7,8 +8,14 @@ import numpy as np
 import pytest
 
 from bench.pictures.frame_record import FrameRecords
-from bench.pictures.marker_overlay import DETECTION_RED, REPROJECTION_GREEN, TRUTH_CYAN, overlay
-from bench.pictures.pair_show import show_frame
+from bench.pictures.marker_overlay import (
+    DETECTION_RED,
+    REPROJECTION_GREEN,
+    TRUTH_CYAN,
+    overlay,
+    verdict,
+)
+from bench.pictures.show import show_frame
 from bench.pictures.stretch import SOFTENING, stretch
 from models.errors import DatasetError
 from models.sensors.camera_chip import Detector
@@ -56,11 +63,12 @@ def test_without_truth_and_without_estimate(scored_dataset, tmp_path):
     shutil.rmtree(blind / "truth")
     record = FrameRecords(blind).record(0)
     assert record.truth is None
-    assert "residual" in record.verdict
+    assert "residual" in verdict(record)
+    assert "pose from" in verdict(record)
     assert show_frame(blind, 0).size > 0
     shutil.rmtree(blind / "estimates")
     record = FrameRecords(blind).record(0)
-    assert record.verdict == "not estimated"
+    assert verdict(record) == "not estimated"
     picture = overlay(record, 256)
     assert not any(holds(picture, colour) for colour in MARKS)
     assert show_frame(blind, 0).size > 0
@@ -70,7 +78,7 @@ def test_a_lost_frame_says_why(tmp_path):
     dataset = write_dataset(tmp_path / "data", frames=1, width_px=128)
     write_variant(dataset, "best", lambda truth: lost_estimate(truth, "nothing found"))
     record = FrameRecords(dataset.folder).record(0)
-    assert record.verdict == "no pose: nothing found"
+    assert verdict(record) == "no pose: nothing found"
     assert show_frame(dataset.folder, 0).size > 0
 
 
@@ -104,3 +112,15 @@ def test_the_picture_is_rgb(scored_dataset, tmp_path):
     assert cv2.cvtColor(picture, cv2.COLOR_RGB2HSV)[..., 1].max() > 100
     assert holds(picture, DETECTION_RED)
     assert not holds(picture, DETECTION_RED[::-1])
+
+
+def test_an_error_is_told_with_digits_that_say_something(scored_dataset):
+    """However small: never +0.00, never -0.00."""
+    record = FrameRecords(scored_dataset.folder).record(1)
+    truth = record.truth.cam_from_target
+    near = dataclasses.replace(
+        record.estimate, cam_from_target=truth.perturbed([0.0, 0.0, 0.0], [-2e-6, 0.0, 3.14159e-4])
+    )
+    told = dataclasses.replace(record, estimate=near).verdict
+    minus = "\N{MINUS SIGN}"
+    assert told.startswith(f"position error {minus}0.00200, 0, +0.314 mm; attitude ")

@@ -1,5 +1,6 @@
 """``rvbench store``: what it prints, what it deletes, and how it exits."""
 
+import errno
 import os
 import re
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from bench.cli import main
 from bench.store.stored_light import age_text, size_text
+from models.errors import StorageError
 from renders.store.claims import Claim, held
 from renders.store.radiance_store import RadianceStore, entry_key
 
@@ -147,3 +149,28 @@ def test_sizes_and_ages_are_told_in_units_that_fit() -> None:
     assert [age_text(age) for age in (-1, 5, 150, 9000, 2e5)] == [
         "0 s", "5 s", "2 min", "2 h", "2 days",
     ]  # fmt: skip
+
+
+def test_prune_of_a_store_that_lets_nothing_be_deleted_says_so(store, capsys, monkeypatch) -> None:
+    """As on a read-only disk."""
+
+    def refuse(path: Path, missing_ok: bool = False) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    assert main(["store", "prune", "--to-gb", "0", "--store", str(store.folder)]) == 2
+    told = capsys.readouterr()
+    assert "Read-only file system (10 entries); 0 entries were deleted" in told.err
+    assert "commands that run now" not in told.out + told.err
+
+
+def test_a_folder_in_the_place_of_an_entry_is_named(store, capsys) -> None:
+    """It is no light, nothing deletes it, and who needs its place is told what to do."""
+    place = store.path(KEYS[0])
+    place.unlink()
+    (place / "mine").mkdir(parents=True)
+    for action in (["list"], ["verify"], ["prune", "--to-gb", "0"]):
+        assert said(capsys, *action, "--store", store.folder)[0] == 0
+    with pytest.raises(StorageError, match=f"folder where the file {place.name} should be: move"):
+        store.write(KEYS[0], np.zeros((4, 4), np.float32))
+    assert (place / "mine").is_dir()

@@ -263,3 +263,16 @@ def test_rows_name_the_sun_so_that_a_run_can_be_typed(swept_once: SmallSweep) ->
     result, _ = swept_once.run()
     rows: list[Row] = result.rows
     assert {row.sun_text for row in rows} == {sun.text for sun in result.plan.suns}
+
+
+def test_pictures_of_the_users_own_stay(sweep: SmallSweep) -> None:
+    """What is swept away when the page is made again is only what a sweep writes."""
+    result, _ = sweep.run()
+    write_outcome(result)
+    mine = [sweep.out / "sun_map_talk.png", sweep.out / "extremes" / "my_best.png"]
+    old = [sweep.out / "sun_map_7.png", sweep.out / "extremes" / "best_9.png"]
+    for path in (*mine, *old):
+        path.write_bytes(b"")
+    write_outcome(result)
+    assert all(path.exists() for path in mine)
+    assert not any(path.exists() for path in old)

@@ -9,15 +9,19 @@ import numpy as np
 import pytest
 from matplotlib.patches import Rectangle
 
+from bench.sweep.sun_labels import label_offsets
 from bench.sweep.sun_map import (
     FRAME_COLOURS,
+    NAME_PT,
     SPHERE_DEG2,
+    ground,
     on_sphere,
     sun_map,
     sun_map_figure,
     tiles,
 )
 from bench.sweep.table import VERDICTS, setting_of
+from models.lights.sun import SUN_CASES_DEG
 from models.lights.sun_grid import chosen_suns, sun_grid
 from tests.bench.sweep.test_table import SETTING, TRUTH, judged
 from tests.support.synthetic_dataset import lost_estimate, perfect_estimate
@@ -72,6 +76,40 @@ def test_frames_stand_where_their_suns_stand_and_do_not_overlap():
     np.fill_diagonal(apart, np.inf)
     assert apart.min() >= laid[0].size_deg
     assert len(laid) * laid[0].size_deg ** 2 > 0.6 * SPHERE_DEG2  # and they fill it
+
+
+@pytest.mark.parametrize("step_deg", [15.0, 30.0, 45.0, 90.0])
+def test_no_frame_leaves_the_map(step_deg):
+    """Neither the ground it lies on nor the panel: nor on the small maps below."""
+    rows = rows_of(sun_grid(step_deg))
+    laid = tiles(rows, thumbnails_of(rows))
+    assert laid is not None
+    half = 0.5 * laid[0].size_deg
+    heights, reach = ground(half)
+    for tile in laid:
+        across = np.interp([tile.y_deg - half, tile.y_deg + half], heights, reach)
+        slack = 1.0  # deg: the ground is drawn in steps of half a deg
+        assert abs(tile.x_deg) + half <= across.min() + slack
+        assert abs(tile.y_deg) + half <= heights[-1] + 1e-9
+    figure = sun_map_figure("title", SETTING, rows, thumbnails_of(rows))
+    for panel in figure.axes[:4]:
+        (left, right), (low, high) = panel.get_xlim(), panel.get_ylim()
+        for patch in (p for p in panel.patches if isinstance(p, Rectangle)):
+            assert left <= patch.get_x()
+            assert patch.get_x() + patch.get_width() <= right
+            assert low <= patch.get_y()
+            assert patch.get_y() + patch.get_height() <= high
+
+
+@pytest.mark.parametrize("per_deg", [1.2, 1.4, 3.0])
+def test_no_name_of_a_sun_lies_on_another(per_deg):
+    """S6 and S7 stand 5 deg apart, half the height of a name on the small maps."""
+    marks = per_deg * np.array([on_sphere(*place) for place in SUN_CASES_DEG.values()])
+    names = marks + np.array(label_offsets(marks, NAME_PT))
+    apart = np.abs(names[:, None] - names[None, :])
+    touching = (apart < NAME_PT).all(axis=2)
+    assert touching.sum() == len(names)  # each itself
+    assert not (np.abs(names[:, None] - marks[None, :]) < 0.5 * np.array(NAME_PT)).all(axis=2).any()
 
 
 def test_the_map_keeps_areas():

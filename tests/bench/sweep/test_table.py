@@ -46,7 +46,7 @@ ROWS = st.lists(
         **dict.fromkeys(("sun", "sun_text", "pipeline", "reason"), WORDS),
         verdict=st.sampled_from(VERDICTS),
         **dict.fromkeys(("expected", "found", "mismatched", "used", "in_sun"), COUNTS),
-        **dict.fromkeys(("position_error_mm", "attitude_error_deg"), MAYBE),
+        **dict.fromkeys(("position_error_mm", "attitude_error_deg", "position_sigma_mm"), MAYBE),
         **{f"error_{axis}_mm": MAYBE for axis in "xyz"},
     ),
     max_size=4,
@@ -144,3 +144,18 @@ def test_harshest_is_no_pose_then_markers_missed_then_error():
     assert (best, harshest) == ([good, off], [lost, missed])
     best, harshest = ranked([good])
     assert (best, harshest) == ([good], [])
+
+
+def test_one_lucky_draw_makes_no_direction_kind():
+    """The error is one draw; what orders is the markers found, and the error to be expected."""
+    estimate = perfect_estimate(TRUTH)
+    lucky, unlucky = judged(estimate), judged(estimate)
+    sigma_mm = 1e3 * math.sqrt(np.trace(estimate.covariance[3:, 3:]))
+    assert lucky.position_sigma_mm == pytest.approx(sigma_mm)
+    lucky = dataclasses.replace(lucky, position_error_mm=0.01, position_sigma_mm=2.0 * sigma_mm)
+    unlucky = dataclasses.replace(unlucky, position_error_mm=1.0)
+    assert ranked([lucky, unlucky]) == ([unlucky], [lucky])
+    unsure = dataclasses.replace(unlucky, position_sigma_mm=None)
+    lost = judged(lost_estimate(TRUTH))
+    assert ranked([lost, unsure, lucky, unlucky])[0] == [unlucky, lucky]
+    assert ranked([lost, unsure, lucky, unlucky])[1] == [lost, unsure]

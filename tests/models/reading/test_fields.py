@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from models.errors import DatasetError
 from models.reading.fields import Fields
 from models.reading.shown import MOST_SHOWN, shown, shown_line
+from models.reading.uncertainty import exact_covariance, exact_rotation
 
 EXACT = 1e-12  # what is nearer to orthonormal than this keeps its bits
 
@@ -32,6 +33,9 @@ def fields(value) -> Fields:
         (lambda f: f.vector("key", 3, -1.0, 1.0).tolist(), [0.0, 1, -1.0]),
         (lambda f: f.numbers("key", (None, 2), -1.0, 1.0).tolist(), []),
         (lambda f: f.numbers("key", (None, 2, 1), 0.0, 9.0).tolist(), [[[1.0], [2.0]]]),
+        (lambda f: f.array("key", 0.0, 9.0).tolist(), 5.0),
+        (lambda f: f.array("key", 0.0, 9.0).tolist(), []),
+        (lambda f: f.array("key", 0.0, 9.0).tolist(), [[[1.0], [2.0]], [[3.0], [4.0]]]),
     ],
 )
 def test_what_is_possible_is_taken(take, value):
@@ -158,6 +162,49 @@ def test_a_covariance_may_be_zero_but_not_of_infinite_correlation():
     assert not fields(np.zeros((6, 6)).tolist()).covariance("key", 6).any()
     with pytest.raises(DatasetError):
         fields([[5e-324, 1.0], [1.0, 5e-324]]).covariance("key", 2)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        True,
+        None,
+        "1.0",
+        10.0,
+        [1.0, "2.0"],
+        [1.0, [2.0]],
+        [[1.0], [2.0, 3.0]],
+        [[1.0], 2.0],
+        [float("nan")],
+        {"a": 1.0},
+        [{}],
+        [[0.0] * 4] * 3,
+        [[[]] * 20],
+    ],
+)
+def test_what_is_no_array_of_numbers_is_refused(value):
+    with pytest.raises(DatasetError, match=r"it\.toml: expected inner\.key as "):
+        fields(value).array("key", 0.0, 9.0, most=10)
+
+
+def test_keys_that_may_be_any_are_bounded():
+    assert Fields({"a b": 1, "Überlänge": 2}, "it.toml").names(2) == ("a b", "Überlänge")
+    assert Fields({}, "it.toml").names(0) == ()
+    for table, said in (
+        ({"a": 1, "b": 2}, "it.toml: expected inner with up to 1 keys, got 2"),
+        ({"": 1}, "the keys of inner as printable text"),
+        ({"\x1b": 1}, "the keys of inner as printable text"),
+        ({"x" * 300: 1}, "of 1 to 200 characters, got 'xxx"),
+    ):
+        with pytest.raises(DatasetError, match=said):
+            Fields(table, "it.toml", "inner.").names(1)
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (3, 4), (3, 3, 3), (0,)])
+def test_an_array_of_another_shape_is_no_rotation_and_no_covariance(shape):
+    for exact in (exact_rotation, exact_covariance):
+        with pytest.raises(ValueError, match="one of shape"):
+            exact(np.zeros(shape))
 
 
 LARGE = {

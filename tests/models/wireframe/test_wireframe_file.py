@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,20 @@ def spoilt(spoil: str) -> Any:
         table["symmetries"] = [[[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]
     elif spoil == "no symmetries":
         del table["symmetries"]
+    elif spoil == "a symmetry that mirrors":
+        table["symmetries"] = [[[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]
+    elif spoil == "a flag as text":
+        table["landmarks"][1]["appendage"] = "false"
+    elif spoil == "a name as a number":
+        table["landmarks"][1]["name"] = 2
+    elif spoil == "an edge of three":
+        table["edges"][0].append(table["edges"][0][0])
+    elif spoil == "an edge of lists":
+        table["edges"][0] = [[1], [2]]
+    elif spoil == "a key more":
+        table["colour"] = "red"
+    elif spoil == "a triangle beyond all":
+        table["triangles_in_target_m"] = [[[1e300, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]]
     elif spoil == "no table":
         table = [1, 2]
     return table
@@ -63,6 +78,13 @@ def spoilt(spoil: str) -> Any:
         "an edge to nowhere",
         "a flat point",
         "a symmetry that stretches",
+        "a symmetry that mirrors",
+        "a flag as text",
+        "a name as a number",
+        "an edge of three",
+        "an edge of lists",
+        "a key more",
+        "a triangle beyond all",
         "no symmetries",
         "no table",
     ],
@@ -77,6 +99,9 @@ def test_what_is_no_wireframe_is_refused_by_its_path(spoil: str, tmp_path: Path)
 def test_an_absent_or_cut_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DatasetError, match="No such file"):
         read_wireframe(tmp_path / "none.json")
+    os.mkfifo(tmp_path / "pipe.json")  # whose reader would wait for ever
+    with pytest.raises(DatasetError, match=r"expected a wireframe at .*a pipe"):
+        read_wireframe(tmp_path / "pipe.json")
     (tmp_path / "cut.json").write_text(wireframe_to_json(WIREFRAME)[:100])
     with pytest.raises(DatasetError, match="expected a wireframe at"):
         read_wireframe(tmp_path / "cut.json")

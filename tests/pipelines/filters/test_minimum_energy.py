@@ -10,7 +10,12 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Floats
 from models.motion.kepler_orbit import KeplerOrbit
 from pipelines.filters import minimum_energy, multiplicative_ekf
-from pipelines.filters.minimum_energy import reference_vectors, residual, second_order_term
+from pipelines.filters.minimum_energy import (
+    NoMinimumEnergy,
+    reference_vectors,
+    residual,
+    second_order_term,
+)
 from pipelines.filters.navigation_options import NavigationOptions
 from pipelines.filters.rotation_process import RotationProcess, RotationState, skew, turn_between
 from tests.support.strategies import vectors
@@ -86,7 +91,7 @@ def test_close_by_it_is_the_multiplicative_ekf(error_deg: Floats, omega: Floats)
     measured = turned(error_deg)
     ours = minimum_energy.update(state, measured, NOISE)
     theirs = multiplicative_ekf.update(state, measured, NOISE)
-    assert ours is not None
+    assert ours
     apart = turn_between(ours.state.R_lvlh_from_target, theirs.state.R_lvlh_from_target)
     size = np.deg2rad(np.linalg.norm(error_deg))
     np.testing.assert_allclose(apart, 0.0, atol=1e-3 * size + 1e-12)
@@ -127,7 +132,7 @@ def test_with_a_fast_camera_its_gain_is_kalmans_and_bucys() -> None:
     for k in range(count):
         state = process.predict(state, far, step_s * k, step_s * (k + 1))
         found = minimum_energy.update(state, state.R_lvlh_from_target, NOISE)
-        assert found is not None
+        assert found
         state = found.state
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     # A camera at 50 Hz over a filter of some tenths of a second: a few per cent are the sampling.
@@ -141,7 +146,7 @@ def test_far_off_it_still_comes_closer_and_stays_positive(angle_deg: float) -> N
     found = minimum_energy.update(
         RotationState(SOME, np.zeros(3), wide), turned(angle_deg * axis), NOISE
     )
-    assert found is not None
+    assert found
     left = np.linalg.norm(turn_between(found.state.R_lvlh_from_target, turned(angle_deg * axis)))
     assert np.rad2deg(left) < 0.1 * angle_deg
     assert np.linalg.eigvalsh(found.state.covariance)[0] > 0.0
@@ -152,4 +157,51 @@ def test_a_right_angle_off_it_says_so(axis: Floats) -> None:
     size = float(np.linalg.norm(axis))
     assume(size > 0.1)
     state = RotationState(SOME, np.zeros(3), COVARIANCE)
-    assert minimum_energy.update(state, turned(91.0 * axis / size), NOISE) is None
+    refused = minimum_energy.update(state, turned(91.0 * axis / size), NOISE)
+    assert isinstance(refused, NoMinimumEnergy)
+    assert not refused
+    assert "a right angle or more" in refused.reason
+
+
+@pytest.mark.parametrize("angle_deg", [5.0, 60.0, 70.0, 74.0, 78.0, 85.0, 88.0, 89.9])
+def test_a_sharp_measurement_far_off_does_not_overshoot(angle_deg: float) -> None:
+    """Turn and rate nearly one: the rate becomes the turn's, whole steps would go round several.
+
+    At 78 deg they gave 614 deg/s and a gain of -1.4e-6.
+    """
+    both = 3.04e-4 * np.kron(np.ones((2, 2)), np.eye(3)) + 2e-6 * np.eye(6)
+    measured = Rotation.from_rotvec([angle_deg, 0.0, 0.0], degrees=True).as_matrix()
+    found = minimum_energy.update(
+        RotationState(np.eye(3), np.zeros(3), both), measured, 1e-6 * np.eye(3)
+    )
+    assert found
+    left = turn_between(found.state.R_lvlh_from_target, measured)
+    assert np.rad2deg(np.linalg.norm(left)) < 0.01 * angle_deg
+    rate_deg_s = np.rad2deg(found.state.omega_in_target)
+    np.testing.assert_allclose(rate_deg_s, [angle_deg, 0.0, 0.0], atol=0.02 * angle_deg)
+    assert np.linalg.eigvalsh(found.state.covariance)[0] > 0.0
+
+
+@settings(max_examples=60)
+@given(
+    vectors(1.0), st.floats(0.0, 89.9), st.integers(0, 2**32 - 1), st.floats(-4.0, -0.5),
+    st.floats(-5.0, -1.0),
+)  # fmt: skip
+def test_whatever_is_measured_the_gain_is_positive_or_it_says_why(
+    axis: Floats, angle_deg: float, seed: int, spread: float, noise: float
+) -> None:
+    size = float(np.linalg.norm(axis))
+    assume(size > 0.1)
+    rng = np.random.default_rng(seed)
+    root, small = rng.standard_normal((6, 6)), rng.standard_normal((3, 3))
+    covariance = 10.0 ** (2 * spread) * (root @ root.T) + 1e-12 * np.eye(6)
+    told = 10.0 ** (2 * noise) * (small @ small.T) + 1e-12 * np.eye(3)
+    state = RotationState(SOME, np.zeros(3), covariance)
+    found = minimum_energy.update(state, turned(angle_deg * axis / size), told)
+    if isinstance(found, NoMinimumEnergy):
+        assert "no positive gain" in found.reason
+        assert angle_deg > 20.0  # nearer by, something is always learnt
+        return
+    scale = np.sqrt(np.diag(found.state.covariance))
+    assert np.linalg.eigvalsh(found.state.covariance / np.outer(scale, scale))[0] > 0.0
+    assert np.isfinite(found.state.omega_in_target).all()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -106,3 +108,19 @@ def test_the_jacobian_along_normals_is_that_of_the_projection() -> None:
         behind = CAMERA.project(pose.perturbed(-step[:3], -step[3:]) @ samples.points_in_target)
         along = np.einsum("ni,ni->n", samples.normals_px, ahead - behind) / (2.0 * STEP)
         assert np.abs(along - slopes[:, axis]).max() < SLOPE_TOLERANCE * np.abs(slopes).max()
+
+
+def test_what_lies_beyond_the_lenss_fold_is_not_shown() -> None:
+    """So near that the near face's edges, 53 deg off axis, would fold back into the image."""
+    camera = replace(CAMERA, k1=-0.41)
+    pose = RigidTransform(np.eye(3), np.array([0.0, 0.0, 1.74]))
+    edges = ModelEdges(cube())
+    in_cam = pose @ edges.points
+    ideal = in_cam[:, :2] / in_cam[:, 2:]
+    folded = camera.distort(ideal) * [camera.fx, camera.fy] + [camera.cx, camera.cy]
+    beyond = np.linalg.norm(ideal, axis=1) > camera.fold_radius
+    assert (beyond & camera.contains(folded)).any()
+    shown = pose @ edges.shown(camera, pose).points_in_target
+    assert (np.linalg.norm(shown[:, :2], axis=1) < camera.fold_radius * shown[:, 2]).all()
+    # The near face has no corner that projects; the far one is drawn.
+    assert 0.1 < edges.silhouette(camera, pose).mean() <= 1.0

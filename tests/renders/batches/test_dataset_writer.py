@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -12,16 +13,18 @@ import pytest
 
 from models.arrays import Image
 from models.atomic_file import link_or_copy
-from models.dataset.dataset import DatasetInfo, FrameEntry, encode_image, image_path, read_image
+from models.dataset.frame_table import FrameEntry
+from models.dataset.image_file import encode_image, read_image
 from models.errors import DatasetError, StorageError
 from models.pose import RigidTransform
-from renders.batches.dataset_writer import DatasetWriter, is_whole_png
-from renders.batches.public_half import public_files
+from renders.batches.dataset_writer import DatasetWriter, image_path, is_whole_png
+from renders.batches.public_half import dataset_info, public_files
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.store.radiance_store import RadianceStore, entry_key
 from renders.store.sealed_exr import read_exr
 from renders.truth.exposure_truth import ExposureTruth, read_exposures, read_part_names
 from renders.truth.pixel_truth import PixelTruth
+from renders.world.build import world_of
 from renders.world.world import World
 from tests.support.small_scenes import activate_best
 
@@ -37,13 +40,13 @@ def _variant() -> None:
 
 @pytest.fixture(scope="module")
 def world() -> World:
-    return World(resolve(RenderRequest("maxar-demo", Path("unused"), width=64)))
+    return world_of(resolve(RenderRequest("maxar-demo", Path("unused"), width=64)))
 
 
 def writer_at(folder: Path, world: World, scenario: str = "one") -> DatasetWriter:
-    info = DatasetInfo("maxar-demo", "S2", 2, "maxar1300", {"scenario": scenario})
-    toml = world.scenario.to_toml()
-    return DatasetWriter(folder, info, public_files(world), ENTRIES, ("bus", "ring"), toml)
+    info = replace(dataset_info(world), provenance={"scenario": scenario})
+    toml, labels = world.scenario.to_toml(), ("bus", "ring")
+    return DatasetWriter(folder, info, public_files(world), ENTRIES, labels, toml, world.bands)
 
 
 @pytest.fixture

@@ -10,11 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.dataset.dataset import image_path, read_frames, read_info, read_knowledge
+from models.dataset.dataset import open_dataset
 from models.errors import DatasetError, ScenarioError
+from renders.batches.dataset_writer import image_path
 from renders.store.sealed_exr import read_exr
 from renders.truth.exposure_truth import read_exposures, read_part_names
 from tests.renders.conftest import TinyDataset
+from tests.support.frame_images import at_800, at_850, stored_frames
 
 EXPOSURES = [(frame, band) for frame in (0, 1) for band in (800, 850)]
 NAMES = [f"{frame:06d}_{band}" for frame, band in EXPOSURES]
@@ -41,18 +43,28 @@ def test_every_file_is_there_and_no_other(rendered_once: TinyDataset) -> None:
 
 def test_the_public_half_reads_back_as_what_is_known_on_board(rendered_once: TinyDataset) -> None:
     world, folder = rendered_once.world, rendered_once.folder
-    info, known, expected = read_info(folder), read_knowledge(folder), world.knowledge(0)
+    dataset, expected = open_dataset(folder), world.onboard(0)
+    info, known = dataset.info, dataset.onboard
     assert (info.case, info.sun, info.frames, info.target) == ("maxar-demo", "S2", 2, "maxar1300")
     assert info.provenance["scenario"] == world.scenario.fingerprint()
     assert known.camera == expected.camera
     assert known.detector == expected.detector
-    np.testing.assert_allclose(known.prior.matrix(), expected.prior.matrix(), atol=1e-12)
+    assert known.prior is not None
+    assert expected.prior is not None
+    assert known.markers is not None
+    assert expected.markers is not None
+    np.testing.assert_allclose(
+        known.prior.cam_from_target.matrix(), expected.prior.cam_from_target.matrix(), atol=1e-12
+    )
     np.testing.assert_array_equal(known.markers.points_in_target, expected.markers.points_in_target)
-    frames = list(read_frames(folder))
+    assert info.chain == "retroreflector_pairs"
+    offsets = {stream.name: stream.offset_s for stream in info.streams}
+    assert offsets == {"image_800": -0.033, "image_850": 0.0}
+    frames = list(dataset.frames())
     assert [frame.time_s for frame in frames] == [240.0, 250.0]
     for frame in frames:
-        assert frame.image_800.shape == (128, 128)
-        assert frame.image_800.max() <= 4095
+        assert at_800(frame).shape == (128, 128)
+        assert at_800(frame).max() <= 4095
 
 
 def test_the_public_half_tells_no_pose(rendered_once: TinyDataset) -> None:
@@ -70,7 +82,7 @@ def test_the_truth_is_the_motion_at_each_exposure(rendered_once: TinyDataset) ->
     for exposure in world.exposures:
         truth = truths[exposure.frame, exposure.band]
         assert truth.time_s == exposure.time_s
-        pose = world.approach.cam_from_target(exposure.time_s)
+        pose = world.trajectory.cam_from_target(exposure.time_s)
         np.testing.assert_allclose(truth.cam_from_target.matrix(), pose.matrix(), atol=1e-12)
         assert world.target.markers is not None
         points = world.target.markers.points_in_target
@@ -110,10 +122,10 @@ def test_labels_depth_and_normals_agree(rendered_once: TinyDataset) -> None:
 def test_frames_look_like_a_spacecraft_in_space(rendered_once: TinyDataset) -> None:
     """Space at the bias within the noise; markers bright at 850 nm and dark at 800 nm."""
     detector = rendered_once.world.scenario.simulated_detector
-    for frame in read_frames(rendered_once.folder):
-        saturated = (frame.image_850 >= detector.saturation_dn - 1).mean()
+    for frame in stored_frames(rendered_once.folder):
+        saturated = (at_850(frame) >= detector.saturation_dn - 1).mean()
         assert saturated < 0.01
-        for band, image in ((800, frame.image_800), (850, frame.image_850)):
+        for band, image in ((800, at_800(frame)), (850, at_850(frame))):
             labels = channels(rendered_once, f"{frame.index:06d}_{band}")["label"]
             space = image[labels == 0].astype(float)
             if len(space) > 100:
@@ -122,9 +134,9 @@ def test_frames_look_like_a_spacecraft_in_space(rendered_once: TinyDataset) -> N
                 assert np.median(space) == pytest.approx(100.0, abs=max(four_sigma, 0.5))
         truth = read_exposures(rendered_once.folder)[frame.index, 850]
         column, row = np.rint(truth.markers_px[truth.visible > 0.95]).astype(int).T
-        gain = frame.image_850[row, column].astype(int) - frame.image_800[row, column]
+        gain = at_850(frame)[row, column].astype(int) - at_800(frame)[row, column]
         # At 128 columns a marker is half a pixel wide, and yet far above the noise.
-        assert (gain > 5.0 * detector.noise_dn(frame.image_850[row, column])).mean() > 0.8
+        assert (gain > 5.0 * detector.noise_dn(at_850(frame)[row, column])).mean() > 0.8
 
 
 # Again
@@ -255,9 +267,21 @@ def test_a_folder_holds_one_scenario(tiny: TinyDataset, options: dict[str, str])
 
 def test_another_version_of_the_format_is_refused(tiny: TinyDataset) -> None:
     path = tiny.folder / "dataset.json"
-    path.write_text(path.read_text().replace('"version": 1', '"version": 99'))
+    path.write_text(path.read_text().replace('"version": 2', '"version": 99'))
     before = tiny.files()
-    with pytest.raises(DatasetError, match="expected version 1, got 99"):
+    with pytest.raises(DatasetError, match=r"of version 2, .* of version 99"):
+        tiny.render()
+    assert tiny.files() == before
+
+
+def test_a_dataset_of_version_1_is_not_gone_on_with(tiny: TinyDataset) -> None:
+    """Half rendered by an earlier rvbench: it is kept, and another folder is to be chosen."""
+    path = tiny.folder / "dataset.json"
+    table = json.loads(path.read_text()) | {"format": "rvbench-pairs", "version": 1}
+    path.write_text(json.dumps(table))
+    image_path(tiny.folder, 1, 850).unlink()
+    before = tiny.files()
+    with pytest.raises(DatasetError, match=r"one of version 1, .* choose another --out"):
         tiny.render()
     assert tiny.files() == before
 
@@ -293,5 +317,5 @@ def test_the_same_light_under_another_sun_is_not_traced_again(
     assert traced() == 2
     second.render()
     assert traced() == 2
-    images = [next(read_frames(dataset.folder)).image_850 for dataset in (first, second)]
+    images = [at_850(stored_frames(dataset.folder)[0]) for dataset in (first, second)]
     assert (images[0] != images[1]).mean() > 0.5

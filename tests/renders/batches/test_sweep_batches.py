@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from models.camera import camera_preset
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns
-from renders.batches.render_case import Studio
+from renders.batches.studio import Studio
 from renders.batches.sweep_batches import (
     BYTES_PER_SAMPLE_SUM,
     GIBI,
@@ -27,7 +27,7 @@ from renders.scenario.scenario import RenderRequest, Scenario, resolve
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore
 from renders.tracing.light_groups import LampGroup, SunGroup
-from renders.world.world import World
+from renders.world.build import world_of
 from tests.support.small_scenes import needs_jit
 
 TIME_S = 250.0
@@ -45,7 +45,7 @@ def scenario() -> Scenario:
 def pose_light(
     scenario: Scenario, store: Path, suns: Sequence[NamedSun] = tuple(SUNS)
 ) -> PoseLight:
-    world = World(scenario_at(scenario, TIME_S))
+    world = world_of(scenario_at(scenario, TIME_S))
     keys = LightKeys(world, "jit")
     assert world.target.markers is not None
     return PoseLight(Studio(world, RadianceStore(store), keys, world.target.markers), suns)
@@ -99,13 +99,13 @@ def test_keys_are_those_of_a_single_run(scenario: Scenario, tmp_path: Path) -> N
                 "sun": scenario.sun.model_copy(update={"default": sun.text}),
             }
         )
-        world = World(table)
+        world = world_of(table)
         assert world.target.markers is not None
         studio = Studio(
             world, RadianceStore(tmp_path), LightKeys(world, "jit"), world.target.markers
         )
         for exposure in world.exposures:
-            pose = world.approach.cam_from_target(exposure.time_s)
+            pose = world.trajectory.cam_from_target(exposure.time_s)
             expected = studio.group_keys(exposure, pose)
             assert light.keys(number)[exposure.band].items() <= expected.items()
             assert f"lamps_{exposure.band}" in light.keys(number)[exposure.band]
@@ -168,5 +168,5 @@ def test_truth_tells_how_much_each_sun_lights(scenario: Scenario, tmp_path: Path
     assert truth.time_s == TIME_S
     np.testing.assert_allclose(
         truth.cam_from_target.matrix(),
-        light.studio.world.approach.cam_from_target(TIME_S).matrix(),
+        light.studio.world.trajectory.cam_from_target(TIME_S).matrix(),
     )

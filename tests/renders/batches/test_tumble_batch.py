@@ -6,66 +6,32 @@ import json
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
-from models.dataset.image_dataset import (
-    read_image_frames,
-    read_image_info,
-    read_navigation,
-    read_uncooperative_knowledge,
-)
 
-from models.dataset.dataset import FILTERED, image_path
+from models.dataset.dataset import open_dataset
 from models.errors import DatasetError, ScenarioError
+from models.frame import CHASER_ORBIT, Frame
 from models.spacecraft.part import Part, Spacecraft
-from renders.scenario.scenario import RenderRequest, Scenario
+from renders.batches.dataset_writer import image_path
+from renders.batches.replay import exposed_frames, light_held
+from renders.scenario.scenario import Scenario
 from renders.store.sealed_exr import read_exr
 from renders.truth.exposure_truth import read_part_names
 from renders.truth.image_truth import read_image_truths
-from renders.world.tumble_world import TumbleWorld, world_of
-from tests.renders.conftest import TinyDataset
-from tests.support.small_scenes import LAMBERT, activate_best, needs_jit
+from renders.world.bodies import Bodies
+from renders.world.build import world_of
+from renders.world.exposure import FILTERED
+from tests.renders.conftest import TinyTumble
+from tests.support.frame_images import exposed_ms, single, stored_frames
+from tests.support.small_scenes import LAMBERT, activate_best
 from tests.support.tumble_scenario import TUMBLE, tumble_table
 
 FRAMES = 3
 TWO_PIXELS_M = 0.9  # at 30 m and 64 columns, on a surface aslant by 45 deg
-
-
-class TinyTumble(TinyDataset):
-    """A rendered case of three single images."""
-
-    @property
-    def tumbling(self) -> TumbleWorld:
-        world = world_of(self.world.scenario)
-        assert isinstance(world, TumbleWorld)
-        return world
-
-
-@pytest.fixture(scope="session")
-def tumbled_once(tmp_path_factory: pytest.TempPathFactory) -> TinyTumble:
-    """Never changed: see ``tumbled`` for a copy that may be."""
-    needs_jit()
-    home = tmp_path_factory.mktemp("tumble")
-    case = home / "small.toml"
-    case.write_text(Scenario.model_validate(tumble_table()).to_toml())
-    dataset = TinyTumble(RenderRequest(str(case), home / "out", store=home / "store"))
-    dataset.render()
-    return dataset
-
-
-@pytest.fixture
-def tumbled(tumbled_once: TinyTumble, tmp_path: Path) -> TinyTumble:
-    """Return a copy with a store of its own, to be damaged."""
-    shutil.copytree(tumbled_once.folder, tmp_path / "out")
-    shutil.copytree(tumbled_once.store.folder, tmp_path / "store")
-    record = tmp_path / "out" / "truth" / "light.json"
-    theirs, ours = tumbled_once.store.folder.resolve(), (tmp_path / "store").resolve()
-    record.write_text(record.read_text().replace(str(theirs), str(ours)))
-    return TinyTumble(replace(tumbled_once.request, out=tmp_path / "out", store=tmp_path / "store"))
 
 
 # What is there
@@ -82,15 +48,17 @@ def test_every_file_is_there_and_no_other(tumbled_once: TinyTumble) -> None:
 
 
 def test_the_public_half_reads_back_as_what_is_known_on_board(tumbled_once: TinyTumble) -> None:
-    folder, world = tumbled_once.folder, tumbled_once.tumbling
-    info = read_image_info(folder)
+    folder, world = tumbled_once.folder, tumbled_once.world
+    dataset = open_dataset(folder)
+    info = dataset.info
+    assert info.chain == "tumble_images"
     assert (info.case, info.frames, info.target) == ("small-tumble", FRAMES, "xmm")
     assert info.sun == "0.1,0.2,1.0"
-    assert read_uncooperative_knowledge(folder).camera == world.camera
-    frames = list(read_image_frames(folder))
+    assert dataset.onboard.camera == world.camera
+    frames = list(dataset.frames())
     assert [frame.time_s for frame in frames] == [0.0, 50.0, 100.0]
-    assert len(read_navigation(folder)) == FRAMES
-    assert [frame.exposure_ms for frame in frames] == [4.0 / 32**2] * FRAMES
+    assert [len(frame.table(CHASER_ORBIT).rows) for frame in frames] == [1] * FRAMES
+    assert [exposed_ms(frame) for frame in frames] == [4.0 / 32**2] * FRAMES
 
 
 def test_the_public_half_tells_no_pose(tumbled_once: TinyTumble) -> None:
@@ -109,13 +77,13 @@ def test_the_public_half_tells_no_pose(tumbled_once: TinyTumble) -> None:
 
 
 def test_the_truth_is_the_motion(tumbled_once: TinyTumble) -> None:
-    world, truths = tumbled_once.tumbling, read_image_truths(tumbled_once.folder)
+    world, truths = tumbled_once.world, read_image_truths(tumbled_once.folder)
     assert list(truths) == [0, 1, 2]
     for exposure in world.exposures:
         truth = truths[exposure.frame]
-        pose = world.tumble.cam_from_target(exposure.time_s)
+        pose = tumbled_once.motion.cam_from_target(exposure.time_s)
         np.testing.assert_allclose(truth.cam_from_target.matrix(), pose.matrix(), atol=1e-12)
-        points = world.wireframe.points_in_target
+        points = tumbled_once.landmarks
         np.testing.assert_allclose(truth.landmarks_px, world.camera.project(pose @ points))
         assert 4 <= truth.landmarks_visible.sum() < len(points)
         np.testing.assert_allclose(np.linalg.norm(truth.sun_dir_in_target), 1.0)
@@ -124,7 +92,7 @@ def test_the_truth_is_the_motion(tumbled_once: TinyTumble) -> None:
 def test_landmarks_are_seen_where_nothing_lies_before_them(tumbled_once: TinyTumble) -> None:
     """The depth of the pixels around tells, too: somewhere near it is open, or something nearer."""
     parts = read_part_names(tumbled_once.folder)
-    points = tumbled_once.tumbling.wireframe.points_in_target
+    points = tumbled_once.landmarks
     told = []
     for frame, truth in read_image_truths(tumbled_once.folder).items():
         if frame == 0:  # the wings are seen edge-on: thinner than a pixel, they hide corners
@@ -147,13 +115,13 @@ def test_landmarks_are_seen_where_nothing_lies_before_them(tumbled_once: TinyTum
 
 
 def test_space_is_dark_and_the_craft_is_lit(tumbled_once: TinyTumble) -> None:
-    detector = tumbled_once.tumbling.scenario.simulated_detector
-    for frame in read_image_frames(tumbled_once.folder):
+    detector = tumbled_once.world.scenario.simulated_detector
+    for frame in stored_frames(tumbled_once.folder):
         geometry = read_exr(tumbled_once.folder / "truth" / "geometry" / f"{frame.index:06d}.exr")
         assert geometry is not None
         craft = geometry["label"] > 0
-        assert np.median(frame.image[~craft]) == pytest.approx(detector.bias_dn, abs=1.0)
-        lit = frame.image[craft] > detector.bias_dn + 5.0 * detector.noise_dn(np.array(100.0))
+        assert np.median(single(frame)[~craft]) == pytest.approx(detector.bias_dn, abs=1.0)
+        lit = single(frame)[craft] > detector.bias_dn + 5.0 * detector.noise_dn(np.array(100.0))
         assert lit.mean() > 0.5
 
 
@@ -197,7 +165,7 @@ def test_metered_exposures_follow_from_the_image_before(tumbled: TinyTumble) -> 
     out = tumbled.folder.parent / "auto"
     metered = TinyTumble(replace(tumbled.request, case=str(case), out=out))
     metered.render()
-    times = [frame.exposure_ms for frame in read_image_frames(out)]
+    times = [exposed_ms(frame) for frame in stored_frames(out)]
     assert times[0] == 1.0 / 32**2
     assert times[1] == times[0] * 2.0  # 1 us at f/16: too dark by far more than one step
     before = metered.files()
@@ -206,14 +174,78 @@ def test_metered_exposures_follow_from_the_image_before(tumbled: TinyTumble) -> 
     assert metered.files() == before
 
 
+# Other runs
+
+
+def same_readings(ours: Frame, theirs: Frame) -> None:
+    np.testing.assert_array_equal(single(ours), single(theirs))
+    for of in (Frame.image, Frame.table):
+        names = ("time_s", "exposure_ms") if of is Frame.image else ("time_s", "rows")
+        stream = "image" if of is Frame.image else CHASER_ORBIT
+        for name in names:
+            np.testing.assert_array_equal(
+                getattr(of(ours, stream), name), getattr(of(theirs, stream), name)
+            )
+
+
+def test_run_0_is_the_dataset_itself(tumbled_once: TinyTumble) -> None:
+    onboard, frames = exposed_frames(tumbled_once.folder, run=0)
+    stored = open_dataset(tumbled_once.folder)
+    assert onboard.camera == stored.onboard.camera
+    for ours, theirs in zip(frames, stored.frames(), strict=True):
+        assert (ours.index, ours.time_s) == (theirs.index, theirs.time_s)
+        assert ours.readings.keys() == theirs.readings.keys()
+        same_readings(ours, theirs)
+
+
+def test_another_run_has_other_noise_in_image_and_navigation(
+    tumbled: TinyTumble, traced: Callable[[], int]
+) -> None:
+    """``--seeds`` brings back the light of all frames; then no run renders."""
+    case = tumbled.folder.parent / "rough.toml"
+    table = tumble_table(calibration={"sigma_focal_px": 0.5})
+    case.write_text(Scenario.model_validate(table).to_toml())
+    out = tumbled.folder.parent / "rough"
+    rough = TinyTumble(replace(tumbled.request, case=str(case), out=out, seeds=2))
+    rough.render()
+    (onboard, frames), (_, again) = (exposed_frames(out, run=1) for _ in range(2))
+    stored = open_dataset(out)
+    assert onboard.camera != stored.onboard.camera
+    with light_held(out):
+        for ours, same, other in zip(frames, again, stored.frames(), strict=True):
+            same_readings(ours, same)
+            assert (single(ours) != single(other)).mean() > 0.3
+            off_m = ours.table(CHASER_ORBIT).rows - other.table(CHASER_ORBIT).rows
+            assert 0.0 < np.abs(off_m[0, :3]).max() < 10.0 * 5.0 * np.sqrt(2.0)  # five sigma
+            assert exposed_ms(ours) == exposed_ms(other)
+    assert traced() == 0  # the light is that of the other case, whose calibration was exact
+
+
+def test_light_that_has_left_is_told_and_seeds_bring_it_back(tumbled: TinyTumble) -> None:
+    shutil.rmtree(tumbled.store.folder)
+    with pytest.raises(DatasetError, match="expected the light of frame 0 in"):
+        next(exposed_frames(tumbled.folder, run=1)[1])
+    TinyTumble(replace(tumbled.request, seeds=2)).render()
+    assert len(list(exposed_frames(tumbled.folder, run=1)[1])) == FRAMES
+
+
+def test_typed_exposures_are_linear_between_their_instants(tumbled: TinyTumble) -> None:
+    table = tumble_table(exposure={"schedule_ms": [[0.0, 4.0], [80.0, 12.0]]})
+    case = tumbled.folder.parent / "typed.toml"
+    case.write_text(Scenario.model_validate(table).to_toml())
+    out = tumbled.folder.parent / "typed"
+    TinyTumble(replace(tumbled.request, case=str(case), out=out)).render()
+    native_ms = [32.0**2 * exposed_ms(frame) for frame in stored_frames(out)]
+    assert native_ms == pytest.approx([4.0, 9.0, 12.0])  # at 0, 50 and 100 s: beyond, as at 80
+
+
 # Refusals
 
 
-def test_what_pairs_alone_have_is_refused(tumbled: TinyTumble) -> None:
+def test_what_needs_markers_or_another_sky_is_refused(tumbled: TinyTumble) -> None:
     before = tumbled.files()
     for options, said in (
         ({"keep_light": "markers"}, "expected --keep-light all or none"),
-        ({"seeds": 3}, "expected --seeds 1"),
         ({"sun": "S2"}, "in the inertial frame"),
     ):
         with pytest.raises(ScenarioError, match=said):
@@ -224,7 +256,7 @@ def test_what_pairs_alone_have_is_refused(tumbled: TinyTumble) -> None:
 def test_a_folder_of_pairs_is_left_alone(tumbled: TinyTumble) -> None:
     before = tumbled.files()
     pairs = TinyTumble(replace(tumbled.request, case="maxar-demo", width=64))
-    with pytest.raises(DatasetError, match="expected format 'rvbench-pairs'"):
+    with pytest.raises(DatasetError, match="it holds another \\(small-tumble"):
         pairs.render()
     assert tumbled.files() == before
 
@@ -232,13 +264,10 @@ def test_a_folder_of_pairs_is_left_alone(tumbled: TinyTumble) -> None:
 # Light
 
 
-class BallWorld(TumbleWorld):
-    """A world whose target is a matt ball: however it turns, it looks the same."""
-
-    @cached_property
-    def target(self) -> Spacecraft:
-        ball = trimesh.creation.icosphere(subdivisions=4, radius=3.0)
-        return Spacecraft("ball", (Part("ball", ball, LAMBERT, smooth=True),), None, np.zeros(3))
+def matt_ball() -> Spacecraft:
+    """Return a target that looks the same however it turns."""
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=3.0)
+    return Spacecraft("ball", (Part("ball", ball, LAMBERT, smooth=True),), None, np.zeros(3))
 
 
 def test_a_balls_lit_side_faces_the_sun_however_fast_it_turns(tmp_path: Path) -> None:
@@ -248,14 +277,17 @@ def test_a_balls_lit_side_faces_the_sun_however_fast_it_turns(tmp_path: Path) ->
     as the camera sees it; the ball turns by 31 deg a step, the orbit by 3.
     """
     activate_best()
-    from renders.batches.render_case import Studio
+    from renders.batches.studio import Studio
     from renders.store.light_keys import LightKeys
     from renders.store.radiance_store import RadianceStore
 
     table = tumble_table(
         earth={"shines": False}, sun={"default": "-0.6,-0.3,0.5"}, tumble={**TUMBLE}
     )
-    world = BallWorld(Scenario.model_validate(table))
+    craft = world_of(Scenario.model_validate(table))
+    world = replace(craft, bodies=Bodies(matt_ball, craft.optics))
+    assert craft.absolute is not None
+    orbit = craft.absolute.tumble.orbit
     studio = Studio(world, RadianceStore(tmp_path / "none"), LightKeys(world, "jit"), None)
     for exposure in world.exposures:
         pose = world.trajectory.cam_from_target(exposure.time_s)
@@ -264,7 +296,7 @@ def test_a_balls_lit_side_faces_the_sun_however_fast_it_turns(tmp_path: Path) ->
         v, u = np.mgrid[0:64, 0:64]
         centroid = np.array([(u * image).sum(), (v * image).sum()]) / image.sum()
         towards = centroid - world.camera.project(pose.translation)
-        sun_in_lvlh = world.orbit.inertial_from_lvlh(exposure.time_s).T @ np.array(
+        sun_in_lvlh = orbit.inertial_from_lvlh(exposure.time_s).T @ np.array(
             world.sun.direction_in_target
         )
         # The camera's x is -z of the local frame, its y is -x (see models.motion.tumble).

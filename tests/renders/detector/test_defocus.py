@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 from models.arrays import Floats
 from models.camera import Camera, camera_preset
-from models.dataset.dataset import read_frames
 from models.errors import ScenarioError
 from models.sensors.camera_chip import Detector, Optics
 from renders.batches.replay import exposed_frames
 from renders.detector.defocus import circle_of_confusion_px, defocused, disc
 from renders.detector.expose import mean_electrons
 from tests.renders.conftest import TinyDataset
+from tests.support.frame_images import at_800, at_850, stored_frames
 
 CAMERA = camera_preset("chaser_fixed")
 DETECTOR = Detector()
@@ -167,10 +167,10 @@ def test_a_dataset_with_a_focus_is_blurred_and_replayed_to_the_same_bits(
     dataset = TinyDataset(replace(request, end_s=240.0))
     dataset.render()
     ours = list(exposed_frames(dataset.folder, run=0)[1])
-    theirs = list(read_frames(dataset.folder))
+    theirs = stored_frames(dataset.folder)
     assert len(ours) == len(theirs) == 1
-    np.testing.assert_array_equal(ours[0].image_800, theirs[0].image_800)
-    np.testing.assert_array_equal(ours[0].image_850, theirs[0].image_850)
-    sharp = next(read_frames(rendered_once.folder))
-    steepest = [np.abs(np.diff(f.image_850.astype(int))).max() for f in (theirs[0], sharp)]
+    np.testing.assert_array_equal(at_800(ours[0]), at_800(theirs[0]))
+    np.testing.assert_array_equal(at_850(ours[0]), at_850(theirs[0]))
+    sharp = stored_frames(rendered_once.folder)[0]
+    steepest = [np.abs(np.diff(at_850(f).astype(int))).max() for f in (theirs[0], sharp)]
     assert steepest[0] < 0.5 * steepest[1]

@@ -14,20 +14,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.dataset.dataset import (
-    FrameEntry,
-    image_path,
-    read_frame_entries,
-    read_frames,
-    read_knowledge,
-)
+from models.dataset.dataset import open_dataset
+from models.dataset.frame_table import FrameEntry, read_frame_entries
+from models.onboard import PosePrior
 from models.pose import RigidTransform
 from models.sensors.auto_exposure import AutoExposure
+from renders.batches.dataset_writer import image_path
 from renders.batches.replay import exposed_frames
 from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import Scenario
+from renders.world.build import world_of
 from renders.world.world import World
 from tests.renders.conftest import TinyDataset
+from tests.support.frame_images import at_800, at_850, exposed_ms, stored_frames
 
 FIRST_MS = 0.05
 TABLE = {"mode": "auto", "exposure_ms": FIRST_MS, "percentile": 99.0}
@@ -77,14 +76,14 @@ def metered(metered_once: TinyDataset, tmp_path: Path) -> TinyDataset:
 
 
 def test_each_exposure_follows_from_the_image_before(metered_once: TinyDataset) -> None:
-    detector = read_knowledge(metered_once.folder).detector
-    frames = list(read_frames(metered_once.folder))
+    detector = open_dataset(metered_once.folder).onboard.detector
+    frames = stored_frames(metered_once.folder)
     assert len(frames) == FRAMES
-    assert frames[0].exposure_ms == FIRST_MS
+    assert exposed_ms(frames[0]) == FIRST_MS
     for before, after in pairwise(frames):
-        expected = METER.next_ms(before.exposure_ms, before.image_850, detector)
-        assert after.exposure_ms == expected
-    assert len({frame.exposure_ms for frame in frames}) == FRAMES
+        expected = METER.next_ms(exposed_ms(before), at_850(before), detector)
+        assert exposed_ms(after) == expected
+    assert len({exposed_ms(frame) for frame in frames}) == FRAMES
     assert [frame.time_s for frame in frames] == [240.0, 250.0, 260.0]
 
 
@@ -145,34 +144,37 @@ def test_a_run_cut_anywhere_ends_as_if_never_cut(
 
 def test_replayed_the_frames_are_those_of_the_dataset(metered_once: TinyDataset) -> None:
     _, frames = exposed_frames(metered_once.folder, run=0)
-    for ours, theirs in zip(frames, read_frames(metered_once.folder), strict=True):
-        assert ours.exposure_ms == theirs.exposure_ms
-        np.testing.assert_array_equal(ours.image_800, theirs.image_800)
-        np.testing.assert_array_equal(ours.image_850, theirs.image_850)
+    for ours, theirs in zip(frames, stored_frames(metered_once.folder), strict=True):
+        assert exposed_ms(ours) == exposed_ms(theirs)
+        np.testing.assert_array_equal(at_800(ours), at_800(theirs))
+        np.testing.assert_array_equal(at_850(ours), at_850(theirs))
 
 
 def test_another_run_meters_its_own_images(metered_once: TinyDataset) -> None:
     knowledge, frames = exposed_frames(metered_once.folder, run=1)
-    ours, theirs = list(frames), list(read_frames(metered_once.folder))
-    assert ours[0].exposure_ms == FIRST_MS
+    ours, theirs = list(frames), stored_frames(metered_once.folder)
+    assert exposed_ms(ours[0]) == FIRST_MS
     for before, after in pairwise(ours):
-        expected = METER.next_ms(before.exposure_ms, before.image_850, knowledge.detector)
-        assert after.exposure_ms == expected
+        expected = METER.next_ms(exposed_ms(before), at_850(before), knowledge.detector)
+        assert exposed_ms(after) == expected
     # Its noise is another, its light is the same: the metered level moves by a DN or two.
-    assert ours[1].exposure_ms == pytest.approx(theirs[1].exposure_ms, rel=0.02)
+    assert exposed_ms(ours[1]) == pytest.approx(exposed_ms(theirs[1]), rel=0.02)
 
 
 # Without light
 
 
 def world(**table: object) -> World:
-    return World(
+    return world_of(
         Scenario.model_validate({"name": "x", "exposure": table, "motion": {"end_s": 1.0}})
     )
 
 
-def shifted(prior: RigidTransform) -> RigidTransform:
-    return RigidTransform(prior.rotation, prior.translation + np.array([0.0, 0.0, 0.5]))
+def shifted(prior: PosePrior | None) -> PosePrior:
+    assert prior is not None
+    pose = prior.cam_from_target
+    farther = RigidTransform(pose.rotation, pose.translation + np.array([0.0, 0.0, 0.5]))
+    return replace(prior, cam_from_target=farther)
 
 
 def nobody(frame: int) -> np.ndarray:
@@ -181,25 +183,25 @@ def nobody(frame: int) -> np.ndarray:
 
 def test_fixed_and_planned_exposures_need_no_image() -> None:
     fixed = world(mode="fixed", exposure_ms=3.5)
-    prior = fixed.knowledge(0).prior
+    prior = fixed.onboard(0).prior
     control = ExposureControl(fixed, prior)
     assert {control.entry(k, nobody).exposure_ms for k in range(6)} == {3.5}
     planned = ExposureControl(world(), prior)
-    assert planned.entry(5, nobody).exposure_ms == world().exposure_ms(1.0, prior)
+    assert planned.entry(5, nobody).exposure_ms == world().plan.before_any_image(1.0, prior)
 
 
 def test_only_the_plan_rests_on_the_prior() -> None:
     for mode in ("fixed", "auto"):
         known = world(mode=mode)
-        prior = known.knowledge(0).prior
+        prior = known.onboard(0).prior
         assert known.frame_entries(prior) == known.frame_entries(shifted(prior))
-    prior = world().knowledge(0).prior
+    prior = world().onboard(0).prior
     assert world().frame_entries(prior) != world().frame_entries(shifted(prior))
 
 
 def test_metering_asks_for_each_image_once_and_in_order() -> None:
     metered = world(mode="auto")
-    control = ExposureControl(metered, metered.knowledge(0).prior)
+    control = ExposureControl(metered, metered.onboard(0).prior)
     asked_for: list[int] = []
 
     def dark(frame: int) -> np.ndarray:
@@ -213,7 +215,7 @@ def test_metering_asks_for_each_image_once_and_in_order() -> None:
 
 def test_a_record_is_taken_up_to_the_first_row_that_is_not_of_this_run() -> None:
     metered = world(mode="auto")
-    prior = metered.knowledge(0).prior
+    prior = metered.onboard(0).prior
     good = [FrameEntry(0, 0.0, 1.0), FrameEntry(1, 0.2, 1.5), FrameEntry(2, 0.4, 0.9)]
     for rows, taken in (
         (good, 3),

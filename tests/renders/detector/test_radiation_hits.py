@@ -16,7 +16,8 @@ from renders.detector.expose import expose_electrons, exposure_rng
 from renders.detector.radiation_hits import Tracks, deposit, draw_tracks, radiation_hits
 from renders.scenario.scenario import Scenario
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import Exposure, World
+from renders.world.build import world_of
+from renders.world.exposure import Exposure
 
 DETECTOR = Detector()
 SHAPE = (400, 500)
@@ -146,7 +147,7 @@ def test_a_scenario_switches_them_on() -> None:
         scenario = Scenario.model_validate(
             {"name": "x", "camera": {"width": 128}, "radiation": table}
         )
-        world = World(scenario)
+        world = world_of(scenario)
         dark: dict[LightGroup, np.ndarray] = {world.sun: np.zeros((128, 128), np.float32)}
         return compose(world, dark, Exposure(0, 850, 0.0), 30.0, run=0).astype(int)
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from models.arrays import Floats, Radiance
-from models.dataset.dataset import read_frames
 from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM, GEO_RADIUS_KM
+from models.onboard import PosePrior
 from models.sky.star_catalogue import bright_stars
 from renders.batches.replay import exposed_frames, read_depth
 from renders.detector.compose import compose
@@ -23,12 +23,14 @@ from renders.detector.stars import (
     electrons_per_irradiance,
     star_electrons,
     stars_in_view,
-    target_from_icrs,
 )
 from renders.scenario.scenario import Scenario, read_scenario
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import Exposure, World
+from renders.world.build import world_of
+from renders.world.exposure import Exposure
+from renders.world.world import World
 from tests.renders.conftest import TinyDataset
+from tests.support.frame_images import at_800, at_850, stored_frames
 
 CENTROID_PX = 0.02  # asked for; pixels of that size lose 0.003 px of a spread of 0.5 px
 SPREAD_LOST = 1e-6  # of a star's light, beyond six sigmas
@@ -39,7 +41,7 @@ SHOWN_SIGMAS = 5.0
 
 def world(width: int = 2048, **tables: dict[str, Any]) -> World:
     shown = {"shine": True, **tables.pop("stars", {})}
-    return World(
+    return world_of(
         Scenario.model_validate(
             {"name": "x", "camera": {"width": width}, "detector": CHIP, "stars": shown} | tables
         )
@@ -52,8 +54,11 @@ def space(of: World) -> Radiance:
 
 def star_in_cam(of: World, number: int, time_s: float = 0.0) -> Floats:
     stars = bright_stars()
-    in_target = target_from_icrs(of, time_s) @ stars.directions_in_icrs[stars.numbers.index(number)]
-    return of.approach.cam_from_target(time_s).rotate(in_target)
+    in_target = (
+        of.sky.turning.target_from_icrs(time_s)
+        @ stars.directions_in_icrs[stars.numbers.index(number)]
+    )
+    return of.trajectory.cam_from_target(time_s).rotate(in_target)
 
 
 def window(charge: Floats, pixel: Floats, reach: int = 6) -> tuple[Floats, Floats]:
@@ -84,7 +89,7 @@ def test_each_star_is_centred_where_its_direction_is_projected(lens: dict[str, f
     of = world(camera={"width": 2048, **lens})
     charge = star_electrons(of, 0.0, 100.0, space(of))
     stars = bright_stars()
-    rotation = of.approach.cam_from_target(0.0).rotation @ target_from_icrs(of, 0.0)
+    rotation = of.trajectory.cam_from_target(0.0).rotation @ of.sky.turning.target_from_icrs(0.0)
     ahead = stars.directions_in_icrs @ rotation[2] > np.cos(np.deg2rad(30.0))
     projected, _ = cv2.projectPoints(
         stars.directions_in_icrs[ahead][:, None] * 1e6,
@@ -154,7 +159,7 @@ def test_no_star_stands_on_a_part_of_the_spacecraft(rendered_once: TinyDataset) 
     seen = 0
     for zenith_deg in range(0, 360, 15):
         changed = {"shine": True, "zenith_right_ascension_deg": float(zenith_deg)}
-        of = World(Scenario.model_validate(scenario.model_dump() | {"stars": changed}))
+        of = world_of(Scenario.model_validate(scenario.model_dump() | {"stars": changed}))
         exposure = of.exposures[1]
         depth = read_depth(of, rendered_once.folder, exposure)
         assert depth is not None
@@ -185,10 +190,10 @@ def test_a_dataset_with_stars_is_replayed_to_the_same_bits(
         dataset = TinyDataset(replace(request, store=tmp_path / "store"))
         dataset.render()
         (ours,) = exposed_frames(dataset.folder, run=0)[1]
-        (theirs,) = read_frames(dataset.folder)
-        np.testing.assert_array_equal(ours.image_800, theirs.image_800)
-        np.testing.assert_array_equal(ours.image_850, theirs.image_850)
-        frames[shine] = theirs.image_850.astype(int)
+        (theirs,) = stored_frames(dataset.folder)
+        np.testing.assert_array_equal(at_800(ours), at_800(theirs))
+        np.testing.assert_array_equal(at_850(ours), at_850(theirs))
+        frames[shine] = at_850(theirs).astype(int)
     labels = cv2.imread(str(out / "truth" / "labels" / "000000_850.png"), cv2.IMREAD_UNCHANGED)
     brighter = frames[True] - frames[False] > 20
     assert brighter.any()
@@ -199,7 +204,7 @@ def test_the_earth_hides_stars_if_it_is_there() -> None:
     """At GEO it is 8.7 deg in radius, and stands where the camera looks: Orion's belt is behind."""
     of, bare = world(earth={"shines": True}), world()
     limb = np.arcsin(EARTH_RADIUS_KM / GEO_RADIUS_KM)
-    nadir = bare.approach.cam_from_target(0.0).rotate([0.0, 0.0, -1.0])
+    nadir = bare.trajectory.cam_from_target(0.0).rotate([0.0, 0.0, -1.0])
     around, _, _ = stars_in_view(of, 0.0, space(of))
     every, _, _ = stars_in_view(bare, 0.0, space(bare))
     assert (bare.camera.rays(around) @ nadir < np.cos(limb)).all()
@@ -233,7 +238,8 @@ def shown(of: World, exposure_ms: float, time_s: float = 0.0) -> Floats:
 def test_in_flight_no_star_shows() -> None:
     """At f/16 the approach exposes for 1.5 ms and less: Sirius brings a dozen electrons a ms."""
     of = world()
-    longest_ms = of.exposure_ms(0.0, of.approach.cam_from_target(0.0))
+    exact = PosePrior(of.trajectory.cam_from_target(0.0), np.zeros(3), np.zeros(3))
+    longest_ms = of.plan.before_any_image(0.0, exact)
     assert 1.0 < longest_ms < 2.0
     assert shown(of, longest_ms).max() < SHOWN_SIGMAS
 
@@ -259,7 +265,7 @@ def test_two_seconds_at_f2_show_hundreds_of_stars_around_the_sky() -> None:
 
 
 def test_they_are_off_unless_asked_for_and_need_depth() -> None:
-    off = World(Scenario.model_validate({"name": "x", "camera": {"width": 128}}))
+    off = world_of(Scenario.model_validate({"name": "x", "camera": {"width": 128}}))
     on = world(128)
     dark: dict[LightGroup, Radiance] = {off.sun: space(off)}
     exposure = Exposure(0, 850, 0.0)
@@ -308,7 +314,7 @@ def test_an_attitude_of_ones_own_is_taken_scalar_first() -> None:
     of = world(
         stars={"q_target_from_icrs_wxyz": (0.5, 0.5, 0.5, 0.5)}, motion={"target_wobble": False}
     )
-    assert target_from_icrs(of, 0.0) @ [1.0, 0.0, 0.0] == pytest.approx([0.0, 1.0, 0.0])
+    assert of.sky.turning.target_from_icrs(0.0) @ [1.0, 0.0, 0.0] == pytest.approx([0.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("wxyz", ["[1.0, 0.0, 0.0]", "[1.0, 1.0, 0.0, 0.0]"])

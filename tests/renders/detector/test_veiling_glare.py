@@ -18,7 +18,8 @@ from renders.detector.expose import SUNLIGHT_NM, electrons_per_radiance, mean_el
 from renders.detector.veiling_glare import sun_glare, veiled
 from renders.scenario.scenario import Scenario
 from renders.tracing.light_groups import LightGroup
-from renders.world.world import Exposure, World
+from renders.world.build import world_of
+from renders.world.exposure import Exposure
 
 ROUNDING = 1e-9
 CAMERA = Camera.from_fov(128, 128, 50.0)
@@ -156,7 +157,7 @@ def test_a_hidden_sun_a_hood_a_sun_behind_and_a_clean_lens_make_no_glare() -> No
 def test_a_scenario_switches_it_on_and_the_target_hides_the_sun(sun: str, seen: bool) -> None:
     def image(**table: float) -> Floats:
         scenario = {"name": "x", "camera": {"width": 128}, "sun": {"default": sun}}
-        world = World(Scenario.model_validate({**scenario, "lens_scatter": table}))
+        world = world_of(Scenario.model_validate({**scenario, "lens_scatter": table}))
         dark: dict[LightGroup, np.ndarray] = {world.sun: np.zeros((128, 128), np.float32)}
         return compose(world, dark, Exposure(0, 850, 0.0), 20.0, run=0).astype(float)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from models.errors import ScenarioError
 from renders.scenario.scenario import (
     CASES,
+    SHAPING_NOTHING,
     RenderRequest,
     Scenario,
     case_names,
@@ -22,6 +24,7 @@ from renders.scenario.scenario import (
     read_scenario,
     resolve,
 )
+from tests.support.own_scenario import OWN_CAMERA, OWN_MARKERS, every_difference, pose_lines
 from tests.support.tumble_scenario import TUMBLE
 
 REQUEST = RenderRequest("maxar-demo", Path("unused"))
@@ -113,6 +116,114 @@ def test_what_is_not_toml_or_not_there_is_refused(tmp_path: Path) -> None:
         read_scenario(tmp_path / "mine.toml")
     with pytest.raises(ScenarioError, match="absent"):
         read_scenario(tmp_path / "absent.toml")
+
+
+# Numbers have ranges, values have kinds, text is text
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "[motion]\nend_s = 1e9",
+            "motion.end_s from 0 to 1e+06 (last frame, or just after it), got 1000000000.0",
+        ),
+        ("[motion]\nend_s = 9e5\nrate_hz = 15", "at most 100000 frames, got 1.35e+07"),
+        (
+            "[motion]\nend_s = inf",
+            "motion.end_s from 0 to 1e+06 (last frame, or just after it), got inf",
+        ),
+        ("[radiation]\nflux_cm2_s = 1e12", "radiation.flux_cm2_s from 0 to 10000"),
+        ("[optics]\npsf_sigma_px = 1e9", "optics.psf_sigma_px from 0 to 50"),
+        ("[render]\nmarker_samples = 1000000000000", "render.marker_samples from 1 to 65536"),
+        ("[optics]\nf_number = 1e-300", "optics.f_number from 0.5 to 1000"),
+        ("[optics]\nf_number = 1e300", "optics.f_number from 0.5 to 1000"),
+        ("[detector]\nprnu = 1e300", "detector.prnu from 0 to 0.5"),
+        ("[detector]\ndark_current_e_s = 1e300", "detector.dark_current_e_s from 0 to 1e+07"),
+        ("[camera]\nk1 = -5", "one-to-one over the image, got k1 -5, k2 0"),
+        ("[camera]\nk3 = 1e300", "camera.k3"),
+        ("[detector]\nbias_dn = 1e300", "detector.bias_dn from 0 to 65535"),
+        ("[detector]\ngain_e_dn = 1e-300", "detector.gain_e_dn from 0.001 to 1e+06"),
+        ("[detector]\nread_noise_e = 1e300", "detector.read_noise_e from 0 to 100000"),
+        ("[detector]\nbias_dn = 4095", "at least 10 DN between bias and saturation, got 0"),
+        ("[detector]\nbits = 8\nbias_dn = 300", "at least 10 DN between bias and saturation"),
+        ("[detector]\nfull_well_e = 100\ngain_e_dn = 26", "got 3.85 with a bias of 100 DN"),
+        ("[detector]\ngain_e_dn = 0.001", "detector.read_noise_e of at most a tenth"),
+        ("[detector]\nread_noise_e = 20000", "detector.read_noise_e of at most a tenth"),
+        ("[detector]\npixel_pitch_um = 1000\n[optics]\nfocus_m = 3.0", "twice the focal length"),
+        (
+            "[detector]\npixel_pitch_um = 1000\n[radiation]\nflux_cm2_s = 1000",
+            "1e+06 particles on the chip",
+        ),
+        (f"[render]\nseed = {2**64}", "render.seed from 0 to 9.22337e+18"),
+        (f"[render]\nsamples = {10**4000}", "a whole number of some 4000 digits"),
+    ],
+)
+def test_a_number_beyond_its_range_is_refused_and_the_range_told(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    assert said in refusal(tmp_path, 'name = "x"\n' + text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[camera]\nwidth = "64"', "camera.width to be a whole number"),
+        ("[camera]\nwidth = 64.0", "camera.width to be a whole number"),
+        ("[render]\nsamples = true", "render.samples to be a whole number"),
+        ('[motion]\nrate_hz = "1"', "motion.rate_hz to be a number"),
+        ("[motion]\nrate_hz = true", "motion.rate_hz to be a number"),
+        ("[motion]\ntarget_wobble = 1", "motion.target_wobble to be true or false"),
+        ('[motion]\ntarget_wobble = "yes"', "motion.target_wobble to be true or false"),
+        ('[earth]\ndirection = ["0", 0, 1]', "earth.direction.0 to be a number"),
+        ("[earth]\ndirection = [true, 0, 1]", "earth.direction.0 to be a number"),
+        ("[sun]\nshared = [1]", "sun.shared.0 to be text"),
+    ],
+)
+def test_nothing_is_coerced(tmp_path: Path, text: str, said: str) -> None:
+    assert said in refusal(tmp_path, 'name = "x"\n' + text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (f'name = "{1_000_000 * "x"}"', "at most 200 characters"),
+        (f'name = "{900_000 * "x"}"', "name to be at most 200 characters"),
+        (f'name = "x"\ndescription = "{20_000 * "x"}"', "description to be at most 10000"),
+        ("name = 'x'\nzzz = [" + 20_000_000 * "1," + "]", "more than 32 MB"),
+        ("name = 'x'\nzzz = [" + 400_000 * "1," + "]", "unknown key zzz"),
+        ("name = 'x'\n" + "".join(f"z{n} = 1\n" for n in range(50_000)), "and 49990 more"),
+        (f"name = 'x'\n{900_000 * 'z'} = 1", "unknown key zzz"),
+        ("a = " + 5000 * "[" + 5000 * "]", "nested more than 32 deep"),
+        (".".join(5000 * ["a"]) + " = 1", "nested more than 32 deep"),
+        (f"name = 'x'\nzzz = 1{5000 * '0'}", "digits"),
+        ('name = "x\\u001b[31m"', "name to be printable text on one line"),
+        ('name = "x\\ny"', "name to be printable text on one line"),
+        ('name = " "', "name to be printable text on one line"),
+        ('name = "x\\u202ey"', "name to be printable text on one line"),
+        ('name = "x"\ndescription = "\\u001b[2J"', "description to be printable text"),
+        ('name = "x"\n[sun]\ndefault = "S2\\n"', "sun.default to be printable text"),
+    ],
+    ids=lambda text: text[:30],
+)
+def test_text_and_size_have_bounds(tmp_path: Path, text: str, said: str) -> None:
+    told = refusal(tmp_path, text)
+    assert said in told
+    assert told.isprintable()
+    assert len(told) < 5000
+
+
+def test_a_scenario_may_begin_with_a_byte_order_mark_and_have_any_printable_name(
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, '\ufeffname = "[bold red]x[/nosuch] $\\\\frac{$ Ü"\n')
+    assert read_scenario(path).name == "[bold red]x[/nosuch] $\\frac{$ Ü"
+
+
+def test_a_scenario_is_a_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "mine.toml")
+    with pytest.raises(ScenarioError, match="a pipe, where a file was expected"):
+        read_scenario(tmp_path / "mine.toml")
 
 
 # What no single key can show
@@ -237,7 +348,10 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('mode = "manual"', "expected exposure.mode as one of 'schedule', 'auto' or 'fixed'"),
+        (
+            'mode = "manual"',
+            "expected exposure.mode as one of 'schedule', 'auto', 'fixed' or 'table'",
+        ),
         ('mode = "fixed"\nexposure_ms = 33.0', "expected exposure.exposure_ms below motion.pair_g"),
         ('mode = "auto"\nmax_ms = 40.0', "expected exposure.max_ms below motion.pair_gap_ms, 33"),
         (
@@ -245,6 +359,9 @@ def test_larger_pixels_are_the_same_chip_seen_coarsely() -> None:
             "between exposure.min_ms and exposure.max_ms, got 1 with 2",
         ),
         ('mode = "auto"\npercentile = 101.0', "expected exposure.percentile from 1 to 100"),
+        ("schedule_ms = [[0.0, 40.0]]", "and below motion.pair_gap_ms, 33 ms"),
+        ("schedule_ms = [0.0, 40.0]", "expected exposure.schedule_ms.0 to be a list"),
+        ("schedule_ms = [[1.0, 2.0]]\nmarker_fill = 0.5", "expected exposure.marker_fill as 0.6"),
     ],
 )
 def test_exposures_that_cannot_be_are_refused(tmp_path: Path, text: str, said: str) -> None:
@@ -258,7 +375,7 @@ def leaves(table: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple
     for key, value in table.items():
         if isinstance(value, dict):
             yield from leaves(value, (*place, key))
-        else:
+        elif value is not None:
             yield (*place, key)
 
 
@@ -271,17 +388,43 @@ def otherwise(value: Any) -> Any:
     if isinstance(value, float):
         return value * 0.99 + 0.001
     if isinstance(value, str):
-        return {"S2": "S3", "schedule": "fixed"}.get(value, value + "_other")
+        return OTHER_WORDS.get(value, value + "_other")
     if value and isinstance(value[0], float | list):
         return [otherwise(value[0]), *value[1:]]
-    return [*value, "S1"]
+    if value and isinstance(value[0], dict):
+        return [{**value[0], "name": "another"}, *value[1:]]
+    return value[:-1] if value else ["S1"]
 
 
 ATTITUDES = {"q_target_from_icrs_wxyz"}  # an empty one is Earth-pointing
 HALF_A_TURN = [0.0, 1.0, 0.0, 0.0]
+OTHER_WORDS = {
+    "S2": "S3",
+    "schedule": "fixed",
+    "poses": "approach",
+    "pairs": "single",
+    "stills": "interpolated",
+    "2026-03-20T12:00:00Z": "2026-03-21T12:00:00Z",
+}
 
-
-PLAIN = Scenario.model_validate({"name": "x", "tumble": TUMBLE})  # with every key there is
+# With every key there is, whether or not they go together; but those that only name a file.
+PLAIN = Scenario.model_validate(
+    {
+        "name": "x",
+        "tumble": TUMBLE,
+        "camera": OWN_CAMERA | {"preset": "chaser_fixed", "fov_deg": 50.0, "rendered_width": 480},
+        "motion": {
+            "kind": "poses",
+            "poses": "stills",
+            "table": pose_lines(3),
+            "epoch_utc": "2026-03-20T12:00:00Z",
+        },
+        "frame": {"kind": "pairs"},
+        "markers": OWN_MARKERS,
+        "told": every_difference(),
+        "exposure": {"schedule_ms": [[0.0, 1.0]]},
+    }
+)
 
 
 def with_another(place: tuple[str, ...]) -> Scenario:
@@ -293,20 +436,21 @@ def with_another(place: tuple[str, ...]) -> Scenario:
     return Scenario.model_validate(table)
 
 
-PLACES = list(leaves(json.loads(PLAIN.model_dump_json())))
+# What is asked for has no default: it is left out unless it is typed.
+PLACES = [place for place in leaves(json.loads(PLAIN.model_dump_json())) if place[0] != "asked"]
 
 
 def test_the_list_of_keys_is_whole() -> None:
     """The tests below walk over every key; there are dozens, not a handful."""
-    assert len(PLACES) > 40
+    assert len(PLACES) > 120
     assert {("name",), ("motion", "rate_hz"), ("detector", "bits")} <= set(PLACES)
 
 
 @pytest.mark.parametrize("place", PLACES, ids=".".join)
-def test_the_fingerprint_knows_every_key_but_the_prose(place: tuple[str, ...]) -> None:
+def test_the_fingerprint_knows_every_key_that_shapes_a_dataset(place: tuple[str, ...]) -> None:
     plain, other = PLAIN, with_another(place)
     assert other != plain
-    assert (other.fingerprint() == plain.fingerprint()) == (place == ("description",))
+    assert (other.fingerprint() == plain.fingerprint()) == (place[0] in SHAPING_NOTHING)
 
 
 @pytest.mark.parametrize("place", PLACES, ids=".".join)
@@ -331,7 +475,7 @@ def test_cases_survive_being_resolved_and_read_again(case: str, tmp_path: Path) 
 def test_a_resolved_scenario_spells_out_every_default() -> None:
     text = PLAIN.to_toml()
     for place in PLACES:
-        assert f"{place[-1]} = " in text
+        assert f"{place[-1]} = " in text or f"[[{'.'.join(place)}]]" in text
 
 
 def test_a_scenario_cannot_be_changed_in_place() -> None:

@@ -17,6 +17,7 @@ from models.errors import DatasetError, ScenarioError
 from models.pose import RigidTransform
 from renders.batches import render_case as batch
 from renders.batches.replay import exposed_frames
+from renders.batches.studio import Studio
 from renders.store.budget import GB, stored
 from renders.store.claims import live_claims, read_claims
 from renders.store.kept_light import LightKeeping, checked_budget, exposure_bytes, keeping
@@ -26,7 +27,7 @@ from renders.store.sealed_exr import read_exr
 from renders.tracing.light_groups import LightGroup
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
 from renders.truth.pixel_truth import PixelTruth
-from renders.world.world import Exposure
+from renders.world.exposure import Exposure
 from tests.renders.conftest import TinyDataset
 
 FRAMES, EXPOSURES = 2, 4
@@ -59,7 +60,7 @@ def traced_before(
     asked: list[tuple[int, int]] = []
 
     def trace(
-        studio: batch.Studio, exposure: Exposure, pose: RigidTransform, groups: list[LightGroup]
+        studio: Studio, exposure: Exposure, pose: RigidTransform, groups: list[LightGroup]
     ) -> dict[str, Radiance]:
         asked.append((exposure.frame, exposure.band))
         keys = {group.name: studio.keys.group(exposure, pose, group) for group in groups}
@@ -69,7 +70,7 @@ def traced_before(
     truths = read_exposures(rendered_once.folder)
     geometry = rendered_once.folder / "truth" / "geometry"
 
-    def pixel_truth(studio: batch.Studio, pose: RigidTransform) -> PixelTruth:
+    def pixel_truth(studio: Studio, pose: RigidTransform) -> PixelTruth:
         (name,) = (
             f"{frame:06d}_{band}"
             for (frame, band), truth in truths.items()
@@ -80,12 +81,12 @@ def traced_before(
         normals = np.stack([channels[axis] for axis in ("NX", "NY", "NZ")], axis=-1)
         return PixelTruth(channels["label"].astype(np.uint8), channels["Z"], normals)
 
-    def truth(_: batch.Studio, exposure: Exposure, __: RigidTransform) -> ExposureTruth:
+    def truth(_: Studio, exposure: Exposure, __: RigidTransform) -> ExposureTruth:
         return truths[exposure.frame, exposure.band]
 
-    monkeypatch.setattr(batch.Studio, "trace", trace)
-    monkeypatch.setattr(batch.Studio, "pixel_truth", pixel_truth)
-    monkeypatch.setattr(batch.Studio, "truth", truth)
+    monkeypatch.setattr(Studio, "trace", trace)
+    monkeypatch.setattr(Studio, "pixel_truth", pixel_truth)
+    monkeypatch.setattr(Studio, "sealed", truth)
     return asked
 
 
@@ -143,7 +144,7 @@ def test_windows_are_cut_out_of_the_whole_groups_to_the_bit(
     for exposure in world.exposures[2:]:
         name = f"{exposure.frame:06d}_{exposure.band}"
         kept = read_windows(windows(dataset, name))
-        pose = world.approach.cam_from_target(exposure.time_s)
+        pose = world.trajectory.cam_from_target(exposure.time_s)
         expected = windows_by_marker(markers, world.camera, pose)
         assert kept is not None
         assert kept.keys() == expected.keys()

@@ -20,33 +20,35 @@ from renders.store import light_keys
 from renders.store import radiance_store as store
 from renders.store.light_keys import LightKeys, spacecraft_hash
 from renders.tracing.light_groups import LampGroup, SunGroup
-from renders.world.world import Exposure, World
+from renders.world.build import world_of
+from renders.world.exposure import Exposure
+from renders.world.world import World
 
 EXPOSURE = Exposure(frame=2, band=850, time_s=100.0)
 
 
 @cache
 def plain() -> World:
-    return World(resolve(RenderRequest("maxar-demo", Path("unused"))))
+    return world_of(resolve(RenderRequest("maxar-demo", Path("unused"))))
 
 
 def world_with(**tables: Any) -> World:
     table = plain().scenario.model_dump()
     for name, values in tables.items():
         table[name] = table[name] | values if isinstance(values, dict) else values
-    return World(Scenario(**table))
+    return world_of(Scenario(**table))
 
 
 def keys_of(world: World, family: str = "jit", exposure: Exposure = EXPOSURE) -> dict[str, str]:
     """Return the keys of one exposure: each group's and the geometry's."""
     keys = LightKeys(world, family)
-    pose = world.approach.cam_from_target(exposure.time_s)
+    pose = world.trajectory.cam_from_target(exposure.time_s)
     named = {group.name: keys.group(exposure, pose, group) for group in world.groups(exposure)}
     return {**named, "geometry": keys.geometry(exposure, pose)}
 
 
 def test_the_same_light_has_the_same_key_in_any_process() -> None:
-    assert keys_of(plain()) == keys_of(World(plain().scenario))
+    assert keys_of(plain()) == keys_of(world_of(plain().scenario))
     assert len(set(keys_of(plain()).values())) == len(keys_of(plain()))
 
 
@@ -128,7 +130,7 @@ def test_pose_frame_band_and_family_change_keys() -> None:
 
 
 def test_every_number_of_a_group_is_in_its_key() -> None:
-    world, pose = plain(), plain().approach.cam_from_target(100.0)
+    world, pose = plain(), plain().trajectory.cam_from_target(100.0)
     keys = LightKeys(world, "jit")
 
     def key(group: SunGroup | LampGroup) -> str:
@@ -205,15 +207,15 @@ def test_a_spacecraft_is_known_by_every_piece(
 def test_target_chaser_and_materials_are_in_every_key(monkeypatch: pytest.MonkeyPatch) -> None:
     before = keys_of(plain())
     for which in ("target", "chaser"):
-        world = World(plain().scenario)
-        world.__dict__[which] = moved(getattr(plain(), which))
-        after = keys_of(world)
+        world, other = plain(), moved(getattr(plain(), which))
+        bodies = replace(world.bodies, **{f"make_{which}": lambda other=other: other})
+        after = keys_of(replace(world, bodies=bodies))
         assert all(before[name] != after[name] for name in before)
     paint = MATERIALS["black_paint"]
     lighter = replace(paint, diffuse=BandReflectance(*(b + 0.001 for b in paint.diffuse.bands)))
     assert any(part.material == "black_paint" for part in plain().target.parts)
     monkeypatch.setitem(MATERIALS, "black_paint", lighter)
-    after = keys_of(World(plain().scenario))
+    after = keys_of(world_of(plain().scenario))
     assert all(before[name] != after[name] for name in before)
 
 

@@ -76,6 +76,23 @@ def test_a_lit_dot_lands_where_project_says(camera: Camera) -> None:
     assert np.abs(found - expected).max() < TWO_HUNDREDTHS_PX
 
 
+def test_a_lens_that_nearly_folds_gets_the_steps_it_needs() -> None:
+    """Newton's method slows down towards the fold: one step count for all is wrong there."""
+    from renders.tracing.camera_plugin import ray_direction_in_cam, undistort_steps
+
+    corner = float(np.hypot(96.0, 80.0)) / STRAIGHT.fx
+    share = 1.0 + 1e-9  # of the corner's distance at which the lens folds, two thirds of it undone
+    nearly = replace(STRAIGHT, cx=95.5, cy=79.5, k1=-4.0 / 27.0 / (share * corner) ** 2)
+    assert undistort_steps(BENT) == undistort_steps(STRONG) == 8
+    assert undistort_steps(nearly) > 8
+    pixels = nearly.spread_px()
+    rays = np.array(
+        [np.array(ray_direction_in_cam(nearly, u, v)).ravel() for u, v in pixels.tolist()]
+    )
+    at_the_fold = 2e-3  # there the way back has half the seven digits of single precision
+    np.testing.assert_allclose(rays, nearly.rays(pixels), atol=at_the_fold)
+
+
 def test_mitsuba_own_integrator_sees_the_same_dots_through_the_sensor() -> None:
     """The sensor plugin serves bare Mitsuba renders and the pixel truth: same pixels again."""
     from renders.tracing.scene import build_geometry

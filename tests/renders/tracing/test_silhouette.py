@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,8 @@ from models.spacecraft.part import Part, Spacecraft
 from renders.scenario.scenario import Scenario
 from renders.tracing.silhouette import MARGIN_PX, pieces_of, pixels_in_view, sees
 from renders.tracing.windows import window_around
-from renders.world.tumble_world import TumbleWorld, world_of
+from renders.world.build import world_of
+from renders.world.world import World
 from tests.support.small_scenes import discs, needs_jit
 from tests.support.tumble_scenario import tumble_table
 
@@ -107,11 +108,11 @@ def test_the_earth_is_seen_where_its_limb_is_in_the_image(
 def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -> None:
     """A random number depends on its pixel alone, and what is left out is black."""
     needs_jit()  # without it a tree is built for every group, and windows draw their own samples
-    from renders.batches.render_case import Studio
+    from renders.batches.studio import Studio
     from renders.store.light_keys import LightKeys
     from renders.store.radiance_store import RadianceStore
 
-    class Everything(TumbleWorld):
+    class Everything(World):
         """The same world, of which nothing is left out."""
 
         def silhouette(self, cam_from_target: RigidTransform) -> None:
@@ -119,7 +120,9 @@ def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -
 
     scenario = Scenario.model_validate(tumble_table())
     images, truths = [], []
-    for world in (world_of(scenario), Everything(scenario)):
+    plain = world_of(scenario)
+    parts = {each.name: getattr(plain, each.name) for each in fields(plain)}
+    for world in (plain, Everything(**parts)):
         store = RadianceStore(tmp_path / "none")
         studio = Studio(world, store, LightKeys(world, "jit"), None)
         exposure = world.exposures[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -99,6 +100,27 @@ def test_of_a_cube_the_lens_sees_the_corners_of_the_faces_towards_it() -> None:
         np.testing.assert_array_equal(seen, expected)
         counts.add(int(seen.sum()))
     assert counts == {4, 6, 7}  # facing one, two and three faces
+
+
+def test_a_corner_beyond_the_lenss_fold_is_not_seen() -> None:
+    """Corners of a cube 50 deg off axis, whose pixels would fold back into the image."""
+    activate_best()
+    from renders.tracing.scene import build_geometry
+    from renders.truth.landmark_truth import seen_landmarks
+
+    far = trimesh.creation.box((0.1, 0.1, 0.1)).apply_translation([0.0, 0.0, -50.0])
+    speck = Spacecraft("speck", (Part("speck", far, "white_paint"),), None, np.zeros(3))
+    scene = build_geometry(speck, None, RetroreflectorOptics()).scene()
+    camera = replace(CAMERA, k1=-0.33)
+    pose = RigidTransform(np.eye(3), np.array([2.0, 0.0, 2.2]))
+    in_cam = pose @ CUBE.points_in_target
+    ideal = in_cam[:, :2] / in_cam[:, 2:]
+    folded = camera.distort(ideal) * [camera.fx, camera.fy] + [camera.cx, camera.cy]
+    beyond = np.linalg.norm(ideal, axis=1) > camera.fold_radius
+    assert (beyond & camera.contains(folded)).any()  # the polynomial alone brings some back
+    seen = seen_landmarks(scene, CUBE, camera, pose)
+    assert not (seen & beyond).any()
+    np.testing.assert_array_equal(seen, camera.contains(camera.project(in_cam)))
 
 
 def test_a_corner_beside_the_image_or_behind_the_lens_is_not_seen() -> None:

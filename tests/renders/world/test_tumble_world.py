@@ -8,33 +8,38 @@ from typing import Any
 import numpy as np
 import pytest
 
-from models.dataset.dataset import FILTERED
 from models.errors import ScenarioError
+from models.frame import TableReading
 from models.pose import RigidTransform
-from renders.batches.public_half import dataset_format, public_files
+from models.spacecraft.wireframes import wireframe_by_name
+from renders.batches.public_half import dataset_info, public_files
 from renders.scenario.scenario import RenderRequest, Scenario, check_scenario, resolve
 from renders.store.light_keys import LightKeys
 from renders.tracing.light_groups import EarthGroup, SunGroup
-from renders.world.tumble_world import TumbleWorld, world_of
+from renders.world.build import world_of
+from renders.world.exposure import FILTERED, Exposure
+from renders.world.trajectory import FreeMotion
+from renders.world.world import World
 from tests.support.tumble_scenario import TUMBLE, tumble_table
 
 ROUNDING = 1e-12
 
 
-def tumbling(**changes: Any) -> TumbleWorld:
-    world = world_of(Scenario.model_validate(tumble_table(**changes)))
-    assert isinstance(world, TumbleWorld)
-    return world
+def tumbling(**changes: Any) -> World:
+    return world_of(Scenario.model_validate(tumble_table(**changes)))
 
 
-def test_a_scenario_tells_its_world() -> None:
-    assert isinstance(tumbling(), TumbleWorld)
-    pairs = world_of(Scenario(name="x"))
-    assert not isinstance(pairs, TumbleWorld)
-    assert (dataset_format(pairs), dataset_format(tumbling())) == (
-        "rvbench-pairs",
-        "rvbench-images",
-    )
+def motion_of(world: World) -> FreeMotion:
+    assert world.absolute is not None
+    return world.absolute
+
+
+def test_a_scenario_tells_its_chain_and_streams() -> None:
+    pairs, single = dataset_info(world_of(Scenario(name="x"))), dataset_info(tumbling())
+    assert (pairs.chain, single.chain) == ("retroreflector_pairs", "tumble_images")
+    assert [stream.name for stream in pairs.streams] == ["image_800", "image_850"]
+    assert [stream.name for stream in single.streams] == ["image", "chaser_orbit"]
+    assert world_of(Scenario(name="x")).absolute is None
 
 
 def test_one_exposure_a_frame_and_no_lamp() -> None:
@@ -60,8 +65,8 @@ def test_the_sun_stands_still_among_the_stars() -> None:
         sun = world.lit_by(exposure)[0]
         assert isinstance(sun, SunGroup)
         seen.append(sun.direction_in_target)
-        in_lvlh = world.tumble.state(exposure.time_s).R_lvlh_from_target @ seen[-1]
-        in_inertial = world.orbit.inertial_from_lvlh(exposure.time_s) @ in_lvlh
+        in_lvlh = motion_of(world).state(exposure.time_s).R_lvlh_from_target @ seen[-1]
+        in_inertial = motion_of(world).tumble.orbit.inertial_from_lvlh(exposure.time_s) @ in_lvlh
         np.testing.assert_allclose(in_inertial, typed, atol=ROUNDING)
     assert np.linalg.norm(np.subtract(seen[0], seen[1])) > 0.3  # half a degree a second for 50 s
 
@@ -110,32 +115,40 @@ def test_each_exposure_has_light_of_its_own_in_the_store() -> None:
 # On board
 
 
+def navigation(world: World, exposure: Exposure, run: int) -> TableReading:
+    (sensor,) = world.tables
+    return sensor.reading(exposure.frame, exposure.time_s, -np.inf, run)
+
+
 def test_navigation_is_wrong_by_its_sigmas_and_keyed_by_frame_and_run() -> None:
     world = tumbling(motion={"end_s": 200.0, "rate_hz": 1.0})
     off = []
     for exposure in world.exposures:
-        truth = world.tumble.chaser_state(exposure.time_s)
-        believed = world.navigation(exposure, run=0)
-        assert believed.time_s == exposure.time_s
-        off.append((believed.position_in_inertial - truth.position_in_inertial) / 10.0)
+        truth = motion_of(world).chaser_state(exposure.time_s)
+        believed = navigation(world, exposure, run=0)
+        assert believed.time_s == [exposure.time_s]
+        off.append((believed.rows[0, :3] - truth.position_in_inertial) / 10.0)
     sigma = np.std(off)
     assert sigma == pytest.approx(1.0, abs=4.0 / np.sqrt(2.0 * 603))  # four sigma of a sigma
-    again = tumbling().navigation(world.exposures[0], run=0)
-    first = world.navigation(world.exposures[0], run=0)
-    np.testing.assert_array_equal(again.position_in_inertial, first.position_in_inertial)
-    other = world.navigation(world.exposures[0], run=1)
-    assert (other.position_in_inertial != first.position_in_inertial).all()
+    again = navigation(tumbling(), world.exposures[0], run=0)
+    first = navigation(world, world.exposures[0], run=0)
+    np.testing.assert_array_equal(again.rows, first.rows)
+    other = navigation(world, world.exposures[0], run=1)
+    assert (other.rows != first.rows).all()
 
 
 def test_what_is_on_board_is_the_drawn_target_and_no_pose() -> None:
     world = tumbling()
     onboard = world.onboard(0)
-    assert onboard.target is world.wireframe
-    assert onboard.range_m == (20.0, 40.0)
-    np.testing.assert_array_equal(onboard.inertia_kg_m2, TUMBLE["inertia_kg_m2"])
+    assert onboard.wireframe is wireframe_by_name("xmm")
+    assert onboard.expectations is not None
+    assert onboard.expectations.range_m == (20.0, 40.0)
+    np.testing.assert_array_equal(onboard.expectations.inertia_kg_m2, TUMBLE["inertia_kg_m2"])
     blind = tumbling(tumble={**TUMBLE, "onboard": {"knows_inertia": False}})
-    assert blind.onboard(0).inertia_kg_m2 is None
-    assert blind.onboard(0).range_m is None
+    expected = blind.onboard(0).expectations
+    assert expected is not None
+    assert expected.inertia_kg_m2 is None
+    assert expected.range_m is None
     assert set(public_files(world)) == {
         "camera.toml",
         "detector.toml",
@@ -143,9 +156,8 @@ def test_what_is_on_board_is_the_drawn_target_and_no_pose() -> None:
         "wireframe.json",
         "navigation.csv",
     }
-    assert world.prior(0) is None
-    with pytest.raises(ScenarioError, match="expected a case of image pairs"):
-        world.knowledge(0)
+    assert onboard.prior is None
+    assert onboard.markers is None
 
 
 def test_a_coarse_look_shows_the_same_levels() -> None:
@@ -162,11 +174,12 @@ def test_a_coarse_look_shows_the_same_levels() -> None:
 def test_the_cases_are_what_they_say(case: str) -> None:
     """200 frames over a turn of 360 deg; the Sun stands 40 to 60 deg off the camera's side."""
     world = world_of(resolve(RenderRequest(case, Path("unused"))))
-    assert isinstance(world, TumbleWorld)
     assert len(world.exposures) == 200
     world.check_poses()
     end_s = world.exposures[-1].time_s + 1.0 / world.scenario.motion.rate_hz
-    rate_deg_s = np.linalg.norm(world.table.omega0_deg_s)
+    tumble = world.scenario.tumble
+    assert tumble is not None
+    rate_deg_s = np.linalg.norm(tumble.omega0_deg_s)
     assert rate_deg_s * end_s == pytest.approx(360.0, rel=0.01)
     for exposure in world.exposures[::10]:
         pose = world.trajectory.cam_from_target(exposure.time_s)
@@ -199,7 +212,22 @@ def refusal(**changes: Any) -> str:
         ({"prior": {"sigma_t_m": [1.0, 1.0, 1.0]}}, "expected prior.sigma_t_m"),
         ({"earth": {"direction": [0.0, 1.0, 0.0]}}, "expected earth.direction"),
         ({"motion": {"pair_gap_ms": 20.0}}, "expected motion.pair_gap_ms"),
-        ({"stars": {"shine": True}}, "expected stars.shine = false"),
+        (
+            {"stars": {"shine": True, "zenith_right_ascension_deg": 10.0}},
+            "expected stars.zenith_right_ascension_deg to be left out with [tumble]",
+        ),
+        (
+            {"exposure": {"schedule_ms": [[0.0, 1.0], [0.0, 2.0]]}},
+            "expected exposure.schedule_ms in order of time",
+        ),
+        (
+            {"exposure": {"schedule_ms": [[0.0, 1.0], [9.0, 0.0]]}},
+            "expected exposures in exposure.schedule_ms of at least 0.0001 ms",
+        ),
+        (
+            {"exposure": {"mode": "fixed", "schedule_ms": [[0.0, 1.0]]}},
+            "expected exposure.mode as 'schedule', or left out, with exposure.schedule_ms",
+        ),
         (
             {"tumble": {**TUMBLE, "q_lvlh_from_target_wxyz": [1.0, 1.0, 0.0, 0.0]}},
             "of four numbers and length 1",
@@ -238,7 +266,7 @@ def test_what_would_mislead_is_refused(changes: dict[str, Any], said: str) -> No
 def test_a_motion_that_nobody_would_see_is_refused(changes: dict[str, Any], said: str) -> None:
     world = tumbling(**changes)
     if "sun" in changes:  # straight behind the Earth
-        position = world.tumble.chaser_state(0.0).position_in_inertial
+        position = motion_of(world).chaser_state(0.0).position_in_inertial
         x, y, z = -position / np.linalg.norm(position)
         world = tumbling(sun={"default": f"{x},{y},{z}"})
     with pytest.raises(ScenarioError, match=said):

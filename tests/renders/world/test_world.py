@@ -11,11 +11,14 @@ import pytest
 
 from models.errors import ScenarioError
 from models.lights.sun import sun_direction
+from models.motion.approach import Approach
+from models.onboard import OnboardKnowledge, PosePrior
 from models.pose import RigidTransform
 from renders.scenario.scenario import RenderRequest, Scenario, case_names, check_scenario, resolve
 from renders.tracing.light_groups import EarthGroup
-from renders.world.tumble_world import world_of
-from renders.world.world import World, sun_group
+from renders.world.build import world_of
+from renders.world.sky import sun_group
+from renders.world.world import World
 
 REQUEST = RenderRequest("maxar-approach", Path("unused"), rate_hz=0.05)
 
@@ -28,7 +31,7 @@ def world_with(**tables: dict[str, Any]) -> World:
     table = resolve(REQUEST).model_dump()
     for name, values in tables.items():
         table[name].update(values)
-    return World(Scenario(**table))
+    return world_of(Scenario(**table))
 
 
 # Clock and poses
@@ -52,7 +55,7 @@ def test_a_camera_inside_the_target_is_refused_with_the_time() -> None:
     time_s = float(said.split(" s it is at")[0].rsplit(" ", 1)[1])
     assert 440.0 < time_s <= 480.0  # not the last pose alone is looked at
     assert "motion.end_s" in said
-    place = world().approach.cam_from_target(time_s).inverse().translation
+    place = world().trajectory.cam_from_target(time_s).inverse().translation
     assert place[2] < 0.1  # it is really at the ring plane or below, not merely near the craft
 
 
@@ -114,7 +117,7 @@ def test_each_sun_has_its_own_earth_and_no_scenario_has_one_unasked() -> None:
 
 def test_a_floodlight_shines_in_both_exposures_through_the_camera_s_filter() -> None:
     lit = world_with(floodlight={"intensity_w_sr": 40.0, "centre_in_cam": (0.4, 0.0, 0.1)})
-    (lamp,) = lit.floodlights
+    (lamp,) = lit.sensor.streams[0].floodlights
     assert lamp.channel == lit.sun.channel
     np.testing.assert_allclose(lamp.ring.points_in_cam.mean(axis=0), [0.4, 0.0, 0.1], atol=1e-12)
     for exposure in lit.exposures[:2]:
@@ -141,18 +144,23 @@ def test_both_exposures_of_a_frame_share_a_seed_and_no_two_frames_do() -> None:
 # What is loaded on board
 
 
+def drawn(onboard: OnboardKnowledge) -> RigidTransform:
+    assert onboard.prior is not None
+    return onboard.prior.cam_from_target
+
+
 def test_a_run_has_its_own_prior_and_always_the_same() -> None:
-    one, other, again = (world().knowledge(run) for run in (1, 2, 1))
-    np.testing.assert_array_equal(one.prior.matrix(), again.prior.matrix())
-    assert not np.array_equal(one.prior.matrix(), other.prior.matrix())
+    one, other, again = (world().onboard(run) for run in (1, 2, 1))
+    np.testing.assert_array_equal(drawn(one).matrix(), drawn(again).matrix())
+    assert not np.array_equal(drawn(one).matrix(), drawn(other).matrix())
 
 
 def test_priors_scatter_as_table_5_says() -> None:
     lit = world()
-    first = lit.approach.cam_from_target(0.0)
+    first = lit.trajectory.cam_from_target(0.0)
     runs = 200
     offsets = np.array(
-        [lit.knowledge(run).prior.translation - first.translation for run in range(runs)]
+        [drawn(lit.onboard(run)).translation - first.translation for run in range(runs)]
     )
     sigma = np.array([0.017, 0.017, 0.05])
     four_sigma = 4.0 / np.sqrt(2.0 * runs)
@@ -161,9 +169,9 @@ def test_priors_scatter_as_table_5_says() -> None:
 
 
 def test_a_calibration_is_exact_unless_it_is_said_not_to_be() -> None:
-    assert world().knowledge(3).camera == world().camera
+    assert world().onboard(3).camera == world().camera
     rough = world_with(calibration={"sigma_focal_px": 2.0, "sigma_principal_point_px": 1.0})
-    cameras = [rough.knowledge(run).camera for run in range(100)]
+    cameras = [rough.onboard(run).camera for run in range(100)]
     assert rough.camera == world().camera  # the true camera stays
     errors = np.array([[c.fx - rough.camera.fx, c.cx - rough.camera.cx] for c in cameras])
     np.testing.assert_allclose(errors.std(axis=0), [2.0, 1.0], rtol=4.0 / np.sqrt(200))
@@ -172,43 +180,49 @@ def test_a_calibration_is_exact_unless_it_is_said_not_to_be() -> None:
 def test_a_target_without_markers_is_refused() -> None:
     table = resolve(REQUEST).model_dump() | {"target": "chaser"}
     with pytest.raises(ScenarioError, match="target with markers"):
-        World(Scenario(**table)).knowledge(0)
+        world_of(Scenario(**table)).onboard(0)
     with pytest.raises(ScenarioError, match="maxar1300"):
-        _ = World(Scenario(**(table | {"target": "maxar1301"}))).target
+        _ = world_of(Scenario(**(table | {"target": "maxar1301"}))).target
 
 
 # Exposure times
 
 
-def shifted(prior: RigidTransform, along_m: float) -> RigidTransform:
-    return RigidTransform(prior.rotation, prior.translation + np.array([0, 0, along_m]))
+def shifted(prior: PosePrior, along_m: float) -> PosePrior:
+    pose = prior.cam_from_target
+    farther = RigidTransform(pose.rotation, pose.translation + np.array([0, 0, along_m]))
+    return replace(prior, cam_from_target=farther)
 
 
 def test_exposure_times_go_as_the_square_of_the_planned_range() -> None:
-    lit = world()
-    exact = lit.flight_plan.cam_from_target(0.0)
+    lit, flight_plan = world(), Approach(pointing_accuracy_deg=0.0)  # the target does not sway
+    start = flight_plan.cam_from_target(0.0)
+    exact = PosePrior(start, np.zeros(3), np.zeros(3))
+    first = lit.plan.before_any_image(0.0, exact) / start.translation[2] ** 2
     for time_s in (0.0, 100.0, 250.0, 330.0):
-        range_m = lit.flight_plan.cam_from_target(time_s).translation[2]
-        per_square = lit.exposure_ms(time_s, exact) / range_m**2
-        assert per_square == pytest.approx(lit.exposure_ms(0.0, exact) / exact.translation[2] ** 2)
+        range_m = flight_plan.cam_from_target(time_s).translation[2]
+        assert lit.plan.before_any_image(time_s, exact) / range_m**2 == pytest.approx(first)
 
 
 def test_exposure_times_follow_the_prior_and_nothing_truer() -> None:
     """A prior 0.1 m too far lengthens them; how the target really sways does not show in them."""
     lit, still = world(), world_with(motion={"target_wobble": False})
-    prior = lit.knowledge(0).prior
+    prior = lit.onboard(0).prior
+    assert prior is not None
     far = shifted(prior, 0.1)
     start_s, end_s = lit.scenario.times_s[0], lit.scenario.times_s[-1]
     for time_s in (start_s, end_s):
-        assert lit.exposure_ms(time_s, far) > lit.exposure_ms(time_s, prior)
-        assert lit.exposure_ms(time_s, prior) == still.exposure_ms(time_s, prior)
-    swaying, steady = (w.approach.cam_from_target(end_s).matrix() for w in (lit, still))
+        assert lit.plan.before_any_image(time_s, far) > lit.plan.before_any_image(time_s, prior)
+        assert lit.plan.before_any_image(time_s, prior) == still.plan.before_any_image(
+            time_s, prior
+        )
+    swaying, steady = (w.trajectory.cam_from_target(end_s).matrix() for w in (lit, still))
     assert not np.allclose(swaying, steady, atol=1e-3)  # the two targets do lie otherwise
 
 
 def test_frames_know_no_more_than_index_time_and_exposure() -> None:
     lit = world()
-    entries = lit.frame_entries(lit.knowledge(0).prior)
+    entries = lit.frame_entries(lit.onboard(0).prior)
     assert [entry.index for entry in entries] == list(range(len(lit.scenario.times_s)))
     assert [entry.time_s for entry in entries] == lit.scenario.times_s
     exposures = [entry.exposure_ms for entry in entries]

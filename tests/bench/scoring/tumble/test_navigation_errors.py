@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from models.uncooperative import NavigationEstimate
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
@@ -13,13 +12,13 @@ from bench.scoring.tumble.navigation_errors import (
     pose_error_sizes,
     rotation_error,
 )
-from models.estimate import Detections, NoPose, PoseEstimate
+from models.estimate import Detections, Estimate, PoseEstimate
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import CAM_FROM_LVLH
 from models.pose import RigidTransform, pose_error
 from pipelines.filters import kalman
 
-NOTHING = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())
+NOTHING = Detections.none()
 ROUNDING = 1e-12
 
 
@@ -92,9 +91,8 @@ def test_nees_of_honest_covariances_is_chi_square():
             truth.R_lvlh_from_target @ Rotation.from_rotvec(turned[:3]).as_matrix().T,
             truth.omega_target_wrt_lvlh_in_target - turned[3:],
         )
-        said = NavigationEstimate(
-            0, 0.0, "predicted", NoPose(0, 0.0, "none", NOTHING), own, translation, rotation
-        )
+        states = own.named(translation, rotation)
+        said = Estimate(0, 0.0, reason="none", mode="predicted", states=states)
         error = navigation_error(said, truth, CAM_FROM_LVLH)
         squares.append([error.nees_translation, error.nees_rotation])
     for column in np.array(squares).T:
@@ -110,7 +108,7 @@ def test_nis_from_the_estimate_alone_is_the_innovations():
         true = RigidTransform(Rotation.random(rng=rng).as_matrix(), np.array([0.1, -0.2, 30.0]))
         noise[:3, :3] = true.rotation @ attitude_noise @ true.rotation.T
         noise[:3, 3:], noise[3:, :3] = 0.0, 0.0
-        pose = PoseEstimate(0, 0.0, true, noise, NOTHING, 1.0)
+        pose = PoseEstimate(true, noise, 1.0)
         mount = CAM_FROM_LVLH.rotation
         place = mount.T @ true.translation
         before, before_spread = np.array([*(place + 0.01), 0, 0, 0]), 1e-3 * spread(rng, 6)
@@ -125,7 +123,8 @@ def test_nis_from_the_estimate_alone_is_the_innovations():
             @ Rotation.from_rotvec(turned.state[:3]).as_matrix()
         )
         own = RelativeState(0.0, after.state[:3], after.state[3:], corrected, np.zeros(3))
-        said = NavigationEstimate(0, 0.0, "tracked", pose, own, after.covariance, turned.covariance)
+        states = own.named(after.covariance, turned.covariance)
+        said = Estimate(0, 0.0, pose, detections=NOTHING, mode="tracked", states=states)
         translation, rotation = innovation_nis(said, CAM_FROM_LVLH)
         assert translation == pytest.approx(after.nis, rel=1e-6)
         # A turn of a microradian composes with others to its square.
@@ -133,7 +132,6 @@ def test_nis_from_the_estimate_alone_is_the_innovations():
 
 
 def test_no_state_is_no_number():
-    none = NoPose(0, 0.0, "none", NOTHING)
-    said = NavigationEstimate(0, 0.0, "searching", none, None, None, None)
+    said = Estimate(0, 0.0, reason="none", detections=NOTHING, mode="searching")
     error = navigation_error(said, state(np.random.default_rng(6)), CAM_FROM_LVLH)
     assert np.isnan(error.row()).all()

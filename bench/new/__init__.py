@@ -1,0 +1,1 @@
+"""Start files of one's own: a case, a camera."""

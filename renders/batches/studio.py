@@ -1,0 +1,154 @@
+"""One world with its store and its renderer: where the light and the truth of a case are made."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from models.arrays import AnyArray, Radiance
+from models.errors import StorageError
+from models.markers import MarkerPattern
+from models.pose import RigidTransform
+from renders.batches.replay import read_groups
+from renders.store.kept_light import ALL_LIGHT, LightKeeping
+from renders.store.light_keys import LightKeys
+from renders.store.radiance_store import RadianceStore, as_half
+from renders.tracing.light_groups import LightGroup
+from renders.truth.makers import SealedRecord
+from renders.variant.choice import activate
+from renders.world.exposure import Exposure
+from renders.world.world import World
+
+if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
+    from renders.truth.pixel_truth import PixelTruth
+
+
+@dataclass(eq=False)
+class Studio:
+    """One world with its store, and a renderer that is loaded when first needed."""
+
+    world: World
+    store: RadianceStore
+    keys: LightKeys
+    markers: MarkerPattern | None
+    scene: Any = None
+    geometry: Any = None
+    placed_cam_from_target: RigidTransform | None = None
+    kept: LightKeeping = ALL_LIGHT
+
+    def build(self, cam_from_target: RigidTransform) -> None:
+        """Load the scene once, and put the chaser in its place unless it stands there."""
+        from renders.tracing.scene import build_geometry, place_chaser
+
+        if self.scene is None:
+            self.geometry = build_geometry(self.world.target, self.world.chaser, self.world.optics)
+            self.scene = self.geometry.scene()
+        if self.placed_cam_from_target is not cam_from_target:
+            place_chaser(self.scene, self.geometry, cam_from_target)
+            self.placed_cam_from_target = cam_from_target
+
+    def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
+        """Return the store keys of everything that can light an exposure, by group name."""
+        groups = self.world.groups(exposure)
+        return {group.name: self.keys.group(exposure, cam_from_target, group) for group in groups}
+
+    def light(
+        self, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> dict[LightGroup, Radiance]:
+        """Return what lights an exposure's frame, from the store or traced now."""
+        keys = self.group_keys(exposure, cam_from_target)
+        there = read_groups(self.store, self.world, exposure, keys)
+        if there is not None:
+            return there
+        images = self._traced_and_kept(exposure, cam_from_target, keys)
+        return {group: images[group.name] for group in self.world.lit_by(exposure)}
+
+    def every_group(
+        self, exposure: Exposure, cam_from_target: RigidTransform
+    ) -> dict[str, Radiance]:
+        """Return all groups of an exposure by name, from the store or traced now."""
+        keys = self.group_keys(exposure, cam_from_target)
+        there = {name: self.store.read(key) for name, key in keys.items()}
+        images = {name: image for name, image in there.items() if image is not None}
+        if len(images) == len(keys):
+            return images
+        return self._traced_and_kept(exposure, cam_from_target, keys)
+
+    def _traced_and_kept(
+        self, exposure: Exposure, cam_from_target: RigidTransform, keys: dict[str, str]
+    ) -> dict[str, Radiance]:
+        """Trace all groups; rounded as in the store, so that frames are the same to the bit."""
+        traced = self.trace(exposure, cam_from_target, self.world.groups(exposure))
+        halves = {name: as_half(image) for name, image in traced.items()}
+        if self.kept.keeps_whole(exposure.frame):
+            self.store.write_all({keys[name]: half for name, half in halves.items()})
+            for group in self.world.lit_by(exposure):
+                self._check_kept(keys[group.name], halves[group.name])
+        return {name: half.astype(np.float32) for name, half in halves.items()}
+
+    def _check_kept(self, key: str, half: AnyArray) -> None:
+        """Refuse a store that gives back something else; another process may have pruned it."""
+        back = self.store.read(key)
+        if self.store.has(key) if back is None else not np.array_equal(back, half):
+            raise StorageError(
+                f"expected to read back what was just written to the store {self.store.folder}, "
+                "got something else; choose another --store on a disk that keeps it"
+            )
+
+    def trace(
+        self,
+        exposure: Exposure,
+        cam_from_target: RigidTransform,
+        groups: Sequence[LightGroup],
+    ) -> dict[str, Radiance]:
+        """Trace groups in one pass; nothing is stored."""
+        from renders.tracing.radiance import Sampling, render_radiance
+
+        self.build(cam_from_target)
+        render = self.world.scenario.render
+        return render_radiance(
+            self.scene,
+            self.geometry,
+            self.world.camera,
+            cam_from_target,
+            groups,
+            self.markers,
+            Sampling(
+                samples=render.samples,
+                marker_samples=render.marker_samples,
+                max_depth=render.max_depth,
+                seed=self.world.render_seed(exposure.frame),
+            ),
+            self.world.in_view(exposure),
+        )
+
+    def sealed(self, exposure: Exposure, cam_from_target: RigidTransform) -> SealedRecord:
+        """Return the sealed record of an exposure."""
+        self.build(cam_from_target)
+        return self.world.truth(self.scene, self.world, exposure, cam_from_target)
+
+    def pixel_truth(self, cam_from_target: RigidTransform) -> PixelTruth:
+        """Trace labels, depth and normals."""
+        from renders.truth.pixel_truth import pixel_truth
+
+        self.build(cam_from_target)
+        return pixel_truth(
+            self.scene,
+            self.geometry,
+            self.world.camera,
+            cam_from_target,
+            self.world.silhouette(cam_from_target),
+        )
+
+
+def start_renderer(variant: str, threads: int | None) -> None:
+    """Choose Mitsuba's variant for this process, and how many threads it takes; None: all cores."""
+    activate(variant)
+    if threads is not None:
+        import drjit
+
+        drjit.set_thread_count(min(threads, os.cpu_count() or 1))

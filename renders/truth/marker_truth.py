@@ -1,0 +1,50 @@
+"""Where the markers truly are in an image, and what each gets of light."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from models.errors import ScenarioError
+from models.pose import RigidTransform
+from renders.truth.exposure_truth import ExposureTruth
+from renders.truth.pixel_truth import marker_light, outline_centres_px
+from renders.world.exposure import Exposure
+from renders.world.world import World
+
+
+def exposure_truth(
+    scene: Any, world: World, exposure: Exposure, cam_from_target: RigidTransform
+) -> ExposureTruth:
+    """Return the sealed record of one exposure of a pair.
+
+    Raises
+    ------
+    ScenarioError
+        If the target has no markers.
+    """
+    markers, camera = world.target.markers, world.camera
+    if markers is None:
+        raise ScenarioError(f"expected a target with markers, {world.target.name} has none")
+    sun = world.sun_at(world.sun, exposure.time_s)
+    light = marker_light(
+        scene,
+        markers,
+        camera,
+        cam_from_target,
+        world.lamps(exposure.band).ring,
+        {sun.name: sun.direction_in_target},
+    )
+    return ExposureTruth(
+        frame=exposure.frame,
+        band=exposure.band,
+        time_s=exposure.time_s,
+        cam_from_target=cam_from_target,
+        sun_dir_in_target=np.array(sun.direction_in_target),
+        markers_px=camera.project(cam_from_target @ markers.points_in_target),
+        marker_outlines_px=outline_centres_px(markers, camera, cam_from_target),
+        visible=light.visible,
+        lamp_lit=light.lamp_lit,
+        sun_lit=light.sun_lit[sun.name],
+    )

@@ -1,0 +1,233 @@
+"""Which parts a scenario's world is composed of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from models.materials import BandReflectance
+from models.motion.approach import Approach
+from models.motion.kepler_orbit import KeplerOrbit
+from models.motion.table_motion import TableMotion
+from models.motion.tumble import CAM_FROM_LVLH, Tumble
+from models.onboard import FlightExpectations
+from models.sky.earth_pointing import rotation_from_wxyz
+from models.spacecraft.catalogue import spacecraft_by_name
+from models.spacecraft.own_markers import with_own_markers
+from models.spacecraft.part import Spacecraft
+from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
+from renders.scenario.marker_tables import markers_from
+from renders.scenario.motion_choice import table_motion_of
+from renders.scenario.scenario import Scenario
+from renders.scenario.tumble_tables import TumbleTable
+from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
+from renders.world.bodies import Bodies
+from renders.world.cameras import pair_camera, single_camera
+from renders.world.checks import (
+    Sunlit,
+    centre_in_image,
+    exposed_before_the_next,
+    free_about_its_centre,
+    outside_the_target,
+    shown_in_some_image,
+)
+from renders.world.exposure_plan import (
+    ExposurePlan,
+    FillOfMarkers,
+    OfTable,
+    Planned,
+    TypedSchedule,
+)
+from renders.world.moving_sun import with_its_sun
+from renders.world.onboard import BeforeFlight, FirstPose
+from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
+from renders.world.table_sensors import ChaserNavigation
+from renders.world.trajectory import FreeMotion, Trajectory
+from renders.world.world import World
+
+SHORTEST_S = 1.0  # a motion of one frame lasts, too
+PAIRS, TUMBLES, POSED = "retroreflector_pairs", "tumble_images", "posed_images"
+
+
+def world_of(scenario: Scenario) -> World:
+    """Compose the things of a scenario: what moves, and what a frame of it is."""
+    if scenario.tumble is not None:
+        return _tumble(scenario, scenario.tumble)
+    return _pairs(scenario) if scenario.frame_kind == "pairs" else _singles(scenario)
+
+
+def _pairs(scenario: Scenario) -> World:
+    """Image pairs of a target with markers, under a sky that stands still over it."""
+    moving, bodies, sensor = _moving(scenario), _bodies(scenario, "chaser"), pair_camera(scenario)
+    return World(
+        scenario=scenario,
+        chain=PAIRS,
+        bodies=bodies,
+        trajectory=moving.trajectory,
+        sky=_sky(scenario, moving.sky, moving.table),
+        sensor=sensor,
+        plan=_plan(scenario, FillOfMarkers(scenario, moving.plan, bodies.optics), 1.0, moving),
+        before_flight=BeforeFlight(
+            camera=sensor.camera,
+            calibration=scenario.calibration,
+            detector=scenario.simulated_detector,
+            marked=bodies,
+            first_pose=FirstPose(moving.trajectory, scenario.times_s[0], scenario.prior),
+            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
+            told=scenario.told,
+        ),
+        truth=OfMarkers(),
+        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next),
+    )
+
+
+def _singles(scenario: Scenario) -> World:
+    """Single images of a target, as it is met; nothing is known on board of where it is."""
+    moving, bodies, sensor = _moving(scenario), _bodies(scenario), single_camera(scenario)
+    wireframe = wireframe_by_name(scenario.target) if scenario.target in WIREFRAMES else None
+    share = scenario.pixel_scale**2
+    return World(
+        scenario=scenario,
+        chain=POSED,
+        bodies=bodies,
+        trajectory=moving.trajectory,
+        sky=_sky(scenario, moving.sky, moving.table),
+        sensor=sensor,
+        plan=_plan(scenario, FillOfMarkers(scenario, moving.plan, bodies.optics), share, moving),
+        before_flight=BeforeFlight(
+            camera=sensor.camera,
+            calibration=scenario.calibration,
+            detector=scenario.simulated_detector,
+            wireframe=wireframe,
+            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
+            told=scenario.told,
+        ),
+        truth=OfPoses(wireframe),
+        checks=(outside_the_target,),
+    )
+
+
+def _tumble(scenario: Scenario, table: TumbleTable) -> World:
+    """Single images of a free target, under a sky that turns over it.
+
+    The chaser, tens of metres off, throws no shadow that reaches it and is left out.
+    """
+    motion = _free_motion(scenario, table)
+    bodies, sensor = _bodies(scenario), single_camera(scenario)
+    wireframe, told = wireframe_by_name(scenario.target), table.onboard
+    share = scenario.pixel_scale**2
+    return World(
+        scenario=scenario,
+        chain=TUMBLES,
+        bodies=bodies,
+        trajectory=motion,
+        sky=_sky(scenario, TurningWithOrbit(motion)),
+        sensor=sensor,
+        plan=_plan(scenario, FillOfMarkers(scenario, motion, bodies.optics), share),
+        before_flight=BeforeFlight(
+            camera=sensor.camera,
+            calibration=scenario.calibration,
+            detector=scenario.simulated_detector,
+            wireframe=wireframe,
+            expectations=FlightExpectations(
+                cam_from_lvlh=CAM_FROM_LVLH,
+                sigma_px=told.sigma_px,
+                chaser_sigma_m=told.chaser_sigma_m,
+                chaser_sigma_m_s=told.chaser_sigma_m_s,
+                range_m=(told.range_m[0], told.range_m[1]) if told.range_m else None,
+                inertia_kg_m2=np.array(table.inertia_kg_m2) if told.knows_inertia else None,
+            ),
+            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
+            told=scenario.told,
+        ),
+        truth=OfLandmarks(motion, wireframe),
+        checks=(outside_the_target, free_about_its_centre, centre_in_image, Sunlit(motion)),
+        tables=(
+            ChaserNavigation(
+                motion, scenario.render.seed, told.chaser_sigma_m, told.chaser_sigma_m_s
+            ),
+        ),
+        absolute=motion,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """What moves, unless a target turns freely: the approach, or a table of poses.
+
+    Attributes
+    ----------
+    trajectory, plan : Trajectory
+        As it is, and as the chaser reckons with.
+    sky : FixedInTarget
+    table : TableMotion or None
+    """
+
+    trajectory: Trajectory
+    plan: Trajectory
+    sky: FixedInTarget
+    table: TableMotion | None = None
+
+
+def _moving(scenario: Scenario) -> Moving:
+    if scenario.motion_kind == "poses":
+        table = table_motion_of(scenario)
+        return Moving(table, table, FixedInTarget(scenario.earth, scenario.stars), table)
+    approach = Approach() if scenario.motion.target_wobble else Approach(pointing_accuracy_deg=0.0)
+    flight_plan = replace(approach, pointing_accuracy_deg=0.0)  # the target does not sway
+    sky = FixedInTarget(scenario.earth, scenario.stars, approach.wobble)
+    return Moving(approach, flight_plan, sky)
+
+
+def _target(scenario: Scenario) -> Spacecraft:
+    target = spacecraft_by_name(scenario.target)
+    if scenario.markers is None:
+        return target
+    return with_own_markers(target, markers_from(scenario.markers, scenario.name))
+
+
+def _bodies(scenario: Scenario, chaser: str | None = None) -> Bodies:
+    table = scenario.retroreflector
+    return Bodies(
+        make_target=partial(_target, scenario),
+        optics=RetroreflectorOptics(
+            half_angle_deg=table.half_angle_deg,
+            returned=BandReflectance(0.0, table.returned_800, table.returned_850),
+        ),
+        make_chaser=None if chaser is None else partial(spacecraft_by_name, chaser),
+    )
+
+
+def _sky(scenario: Scenario, turning: Turning, table: TableMotion | None = None) -> Sky:
+    shared = tuple(sun_group(name) for name in scenario.sun.shared)
+    return Sky(*with_its_sun(scenario, turning, table), shared, scenario.earth)
+
+
+def _plan(
+    scenario: Scenario, unless_typed: Planned, share: float, moving: Moving | None = None
+) -> ExposurePlan:
+    planned, rows = unless_typed, scenario.exposure.schedule_ms
+    if scenario.exposure.mode == "table" and moving is not None and moving.table is not None:
+        planned = OfTable(moving.table, share)
+    if rows:
+        planned = TypedSchedule(
+            tuple(row[0] for row in rows), tuple(row[1] * share for row in rows)
+        )
+    return ExposurePlan(scenario.exposure, planned, share)
+
+
+def _free_motion(scenario: Scenario, table: TumbleTable) -> FreeMotion:
+    return FreeMotion(
+        Tumble(
+            KeplerOrbit.from_elements_deg(**table.orbit.model_dump()),
+            np.array(table.rho0_m),
+            np.array(table.rho_dot0_m_s),
+            np.deg2rad(table.omega0_deg_s),
+            np.array(table.inertia_kg_m2),
+            max(scenario.motion.end_s, SHORTEST_S),
+            rotation_from_wxyz(table.q_lvlh_from_target_wxyz),
+        )
+    )

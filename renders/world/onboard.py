@@ -1,0 +1,108 @@
+"""What is loaded on board in a run: as calibrated, as surveyed, as drawn; each draw has its key."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.camera import Camera
+from models.errors import ScenarioError
+from models.motion.prior import draw_prior
+from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
+from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
+from renders.world.bodies import Bodies
+from renders.world.told import ToldClock, told
+from renders.world.trajectory import Trajectory
+
+PRIOR_DRAW = 101  # purpose that keys a run's random numbers
+
+
+@dataclass(frozen=True, eq=False)
+class FirstPose:
+    """The pose at the first frame, wrong by its sigmas.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+    start_s : float, s
+    table : PriorTable
+    """
+
+    trajectory: Trajectory
+    start_s: float
+    table: PriorTable
+
+    def drawn(self, run: int) -> PosePrior:
+        """Return it as a run has it."""
+        truth = self.trajectory.cam_from_target(self.start_s)
+        sigma_m = np.array(self.table.sigma_t_m)
+        sigma_deg = np.array(self.table.sigma_euler_deg)
+        rng = np.random.default_rng([run, PRIOR_DRAW])
+        return PosePrior(draw_prior(truth, sigma_m, sigma_deg, rng), sigma_m, sigma_deg)
+
+
+@dataclass(frozen=True, eq=False)
+class BeforeFlight:
+    """What a scenario has put on board.
+
+    Attributes
+    ----------
+    camera : Camera
+        As simulated.
+    calibration : CalibrationTable
+        How far its calibration may be off.
+    detector : Detector
+    marked : Bodies or None
+        Of which the markers are known.
+    first_pose : FirstPose or None
+    wireframe : Wireframe or None
+    expectations : FlightExpectations or None
+    psf_sigma_px : float, px
+        Blur of the lens; told where ``told`` says so.
+    told : ToldTable or None
+        How what is told differs from all this.
+    """
+
+    camera: Camera
+    calibration: CalibrationTable
+    detector: Detector
+    marked: Bodies | None = None
+    first_pose: FirstPose | None = None
+    wireframe: Wireframe | None = None
+    expectations: FlightExpectations | None = None
+    psf_sigma_px: float = 0.0
+    told: ToldTable | None = None
+
+    def in_run(self, run: int) -> OnboardKnowledge:
+        """Return what a run has on board: its own prior, and its own errors of all that is told.
+
+        Raises
+        ------
+        ScenarioError
+            If markers are to be known of a target that has none, or an error is too large.
+        """
+        markers = None
+        if self.marked is not None:
+            markers = self.marked.target.markers
+            if markers is None:
+                raise ScenarioError(
+                    f"expected a target with markers, {self.marked.target.name} has none; "
+                    "the 800/850 nm pair shows retroreflectors only"
+                )
+        true = OnboardKnowledge(
+            camera=self.camera,
+            detector=self.detector,
+            markers=markers,
+            prior=None if self.first_pose is None else self.first_pose.drawn(run),
+            wireframe=self.wireframe,
+            expectations=self.expectations,
+            psf_sigma_px=self.psf_sigma_px,
+        )
+        return told(true, self.told, self.calibration, run)
+
+    def clock(self, run: int) -> ToldClock:
+        """Return the clock on board in a run."""
+        return ToldClock.of(self.told, run)

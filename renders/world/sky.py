@@ -1,0 +1,156 @@
+"""What stands far off, in target axes: the Suns, the Earth and the stars, at any instant.
+
+Each is given in axes of a reference frame: the target's own (a stabilised target hardly turns while
+it is approached), or the inertial frame of an orbit, whose axes are those of the ICRS.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from models.arrays import Floats
+from models.lights.earth import Earth
+from models.lights.sun import SUN_CASES_DEG, sun_direction, unit_direction
+from models.motion.attitude_wobble import AttitudeWobble
+from models.sky.earth_pointing import earth_pointing, rotation_from_wxyz, turned
+from renders.scenario.light_tables import EarthTable
+from renders.scenario.sky_tables import StarsTable
+from renders.tracing.light_groups import EarthGroup, SunGroup
+from renders.world.trajectory import FreeMotion
+
+
+class Turning(Protocol):
+    """How the sky turns over the target."""
+
+    def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
+        """Return a Sun's direction in target axes, from the axes in which it was typed."""
+        ...
+
+    def earth_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return the unit vector towards the Earth's centre, target frame, and its distance, km."""
+        ...
+
+    def target_from_icrs(self, time_s: float) -> Floats:
+        """Return the (3, 3) rotation of the target among the stars."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class FixedInTarget:
+    """Sun and Earth stand still in target axes; the stars turn as the target's attitude says.
+
+    Attributes
+    ----------
+    earth : EarthTable
+    stars : StarsTable
+    sway : AttitudeWobble or None
+        Of the target about its nominal attitude.
+    """
+
+    earth: EarthTable
+    stars: StarsTable
+    sway: AttitudeWobble | None = None
+
+    def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
+        """Return it as typed."""
+        return list(direction)
+
+    def earth_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return the Earth as typed."""
+        return unit_direction(self.earth.direction), self.earth.orbit_radius_km
+
+    def target_from_icrs(self, time_s: float) -> Floats:
+        """Return the (3, 3) rotation of the target among the stars, sway and all."""
+        wxyz = self.stars.q_target_from_icrs_wxyz
+        zenith_deg = self.stars.zenith_right_ascension_deg
+        start = rotation_from_wxyz(wxyz) if wxyz else earth_pointing(zenith_deg)
+        nominal = turned(start, self.stars.rate_in_target_deg_h, time_s)
+        if self.sway is None:
+            return nominal
+        return self.sway.nominal_from_target(time_s).T @ nominal
+
+
+@dataclass(frozen=True, eq=False)
+class TurningWithOrbit:
+    """The Sun stands still in the orbit's inertial frame, the Earth lies below the chaser.
+
+    Attributes
+    ----------
+    motion : FreeMotion
+    """
+
+    motion: FreeMotion
+
+    def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
+        """Return it from inertial axes."""
+        turned_into: list[float] = (
+            self.motion.target_from_inertial(time_s) @ np.array(direction)
+        ).tolist()
+        return turned_into
+
+    def earth_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return where the Earth lies below."""
+        position = self.motion.chaser_state(time_s).position_in_inertial
+        distance = float(np.linalg.norm(position))
+        down = self.motion.target_from_inertial(time_s) @ (-position / distance)
+        return down, 1e-3 * distance
+
+    def target_from_icrs(self, time_s: float) -> Floats:
+        """Return the (3, 3) rotation of the target among the stars."""
+        return self.motion.target_from_inertial(time_s)
+
+
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """Suns and Earth as light groups.
+
+    Attributes
+    ----------
+    turning : Turning
+    sun : SunGroup
+        That shines on the frames, as typed.
+    shared : tuple of SunGroup
+        Rendered in one pass with any other.
+    earth : EarthTable
+        Whether it shines, and how much of the Sun it returns.
+    """
+
+    turning: Turning
+    sun: SunGroup
+    shared: tuple[SunGroup, ...]
+    earth: EarthTable
+
+    @property
+    def suns(self) -> list[SunGroup]:
+        """Every Sun that is rendered: the shared ones, and the one asked for if not among them."""
+        if self.sun.name in {sun.name for sun in self.shared}:
+            return list(self.shared)
+        return [*self.shared, self.sun]
+
+    def sun_at(self, sun: SunGroup, time_s: float) -> SunGroup:
+        """Return a Sun as it stands at an instant, in target axes."""
+        x, y, z = self.turning.sun_in_target(sun.direction_in_target, time_s)
+        return replace(sun, direction_in_target=(x, y, z))
+
+    def earth_under(self, sun: SunGroup, time_s: float) -> list[EarthGroup]:
+        """Return the Earth as a Sun lights it, if there is one."""
+        if not self.earth.shines:
+            return []
+        direction, radius_km = self.turning.earth_at(time_s)
+        x, y, z = direction.tolist()
+        earth = Earth(
+            (x, y, z), sun.direction_in_target, radius_km, self.earth.albedo, sun.irradiance_w_m2
+        )
+        return [EarthGroup(sun.name.replace("sun", "earth", 1), earth)]
+
+
+def sun_group(text: str) -> SunGroup:
+    """Return the light group of a Sun named S1 to S7 or typed as x,y,z."""
+    direction = sun_direction(text)
+    name = text.strip().upper()
+    if name not in SUN_CASES_DEG:
+        name = "_".join(f"{x:+.6f}" for x in direction)
+    return SunGroup(f"sun_{name}", (float(direction[0]), float(direction[1]), float(direction[2])))

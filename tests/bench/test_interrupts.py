@@ -1,0 +1,76 @@
+"""Ctrl-C ends a process soon, whatever it is in, and says what is true of the verb."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bench import cli
+from bench.interrupts import WHAT_IS_KEPT, told
+
+HOUSE = Path(__file__).resolve().parents[2]
+LONG_S = 300.0  # far more than a loaded machine takes; the kernel below takes hours
+IN_A_KERNEL = """
+import hashlib, signal, sys
+from pathlib import Path
+from bench.interrupts import prompt_interrupts
+from models.atomic_file import whole_or_absent
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a test in the background ignores it
+with prompt_interrupts("estimate"), whole_or_absent(Path(sys.argv[1])) as scratch:
+    scratch.write_text("half")
+    print("in it", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)  # as Dr.Jit's: Python sees no signal
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="signals as on Linux")
+def test_a_kernel_that_python_cannot_stop_is_left(tmp_path):
+    place = tmp_path / "whole.txt"
+    place.write_text("as before")
+    process = subprocess.Popen(
+        [sys.executable, "-c", IN_A_KERNEL, str(place)],
+        cwd=HOUSE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "in it\n"
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=LONG_S)
+    assert process.returncode == 130, errors
+    assert errors.strip() == told("estimate")
+    assert place.read_text() == "as before"
+    assert os.listdir(tmp_path) == ["whole.txt"]
+
+
+def test_what_ends_by_itself_is_told_once(tmp_path):
+    """The whole command, interrupted while it reads: one message, no traceback."""
+    fifo = tmp_path / "camera.toml"
+    os.mkfifo(fifo)
+    program = (
+        "import signal, runpy, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "sys.argv[0] = 'rvbench'; runpy.run_module('bench', run_name='__main__')"
+    )
+    typed = ["estimate", "--frames", str(tmp_path), "--camera", str(fifo)]
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *typed], cwd=HOUSE, stderr=subprocess.PIPE, text=True
+    )
+    with fifo.open("w"):  # opens once the command reads it, and keeps it waiting
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LONG_S)
+    assert process.returncode == 130, errors
+    assert errors.strip() == told("estimate")
+
+
+def test_every_verb_says_what_is_true_of_it():
+    assert set(cli.VERBS) <= set(WHAT_IS_KEPT)
+    for verb in ("run", "render", "sweep", "suite"):
+        assert "the same command goes on from there" in told(verb)
+    for verb in ("estimate", "score", "report", "show", "list"):
+        assert "goes on from there" not in told(verb)
+    assert re.search("none of these were kept.*the same command starts over", told("estimate"))

@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.arrays import Floats
+from models.dataset.marker_file import markers_to_toml, read_markers
+from models.errors import DatasetError
+from models.markers import MarkerPattern
+from models.spacecraft.retroreflector_layout import RETROREFLECTORS
+
+
+def test_markers_come_back(tmp_path: Path) -> None:
+    path = tmp_path / "markers.toml"
+    path.write_text(markers_to_toml(RETROREFLECTORS))
+    back = read_markers(path)
+    assert (back.names, back.radius_m) == (RETROREFLECTORS.names, RETROREFLECTORS.radius_m)
+    np.testing.assert_array_equal(back.points_in_target, RETROREFLECTORS.points_in_target)
+    np.testing.assert_array_equal(back.normals_in_target, RETROREFLECTORS.normals_in_target)
+    assert markers_to_toml(back) == path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("radius_m = 0.0127\n", "", "missing: radius_m"),
+        ("radius_m = 0.0127", "radius_m = -0.0127", "radius_m above 0"),
+        ("radius_m = 0.0127", "radius_m = 1e300", "radius_m above 0 and at most 10"),
+        ("[[marker]]", "[[markers]]", "missing: marker"),
+        ('name = "2"', 'name = "1"', "each marker's name once"),
+        ('name = "2"', 'nom = "2"', r"in marker\.1; unknown: nom; missing: name"),
+        ('name = "2"', "name = 2", r"marker\.1\.name to be text, got 2"),
+        ('name = "2"', 'name = "\\u001b"', r"marker\.1\.name to be printable text"),
+        ("    1.1,\n", "", r"marker\.\d\.point_in_target_m as lists of 3 numbers"),
+        ("    1.1,\n", "    nan,\n", r"point_in_target_m as numbers of at least .*, got nan"),
+        ("    1.1,\n", '    "1.1",\n', r"point_in_target_m as numbers of at least .*, got '1\.1'"),
+    ],
+)
+def test_markers_that_cannot_be_are_refused(tmp_path: Path, old: str, new: str, said: str) -> None:
+    text = markers_to_toml(RETROREFLECTORS)
+    assert old in text
+    path = tmp_path / "markers.toml"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(DatasetError, match=rf"markers\.toml: expected .*{said}"):
+        read_markers(path)
+
+
+LINE = np.outer(np.linspace(-1.0, 2.0, 4), [0.3, -0.2, 0.9]) + np.array([1.0, 2.0, 0.5])
+
+
+def pattern(points: Floats) -> MarkerPattern:
+    names = tuple(str(number) for number in range(len(points)))
+    return MarkerPattern(names, points, np.tile([0.0, 0.0, 1.0], (len(points), 1)), 0.0127)
+
+
+@pytest.mark.parametrize(
+    ("markers", "said"),
+    [
+        (pattern(LINE[:2]), "at least 3, apart and not on one line; got 2"),
+        (pattern(np.ones((4, 3))), "two are 0 m apart, less than their radius"),
+        (pattern(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0.01]])), "two are 0.01 m apar"),
+        (pattern(LINE), "all lie within .* m of one line"),
+        (pattern(LINE + 1e-3 * np.eye(4, 3)), "all lie within .* m of one line"),
+        (
+            replace(RETROREFLECTORS, points_in_target=RETROREFLECTORS.points_in_target * 0.0),
+            "two are 0 m apart",
+        ),
+    ],
+)
+def test_markers_from_which_no_pose_follows_are_refused(
+    tmp_path: Path, markers: MarkerPattern, said: str
+) -> None:
+    path = tmp_path / "markers.toml"
+    path.write_text(markers_to_toml(markers))
+    with pytest.raises(
+        DatasetError, match=rf"markers\.toml: expected markers from which a pose .*{said}"
+    ):
+        read_markers(path)
+
+
+@pytest.mark.parametrize("turn", range(3))
+def test_three_markers_apart_will_do(tmp_path: Path, turn: int) -> None:
+    """The hint may not refuse the least that serves: a corner of 10 cm, whichever way it lies."""
+    points = np.roll(0.1 * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), turn, 1)
+    path = tmp_path / "markers.toml"
+    path.write_text(markers_to_toml(pattern(points)))
+    assert len(read_markers(path)) == 3
