@@ -83,9 +83,6 @@ class Chain:
         ``truth(dataset)``: all of the truth half that judging needs, whatever its type.
     judge : callable
         ``judge(run, truth)``: one ``Judgement`` a frame, of the chain's own kind.
-    judge_alone : callable
-        ``judge_alone(estimate, record, scene)``: a ``Judgement`` of one frame by its sealed record,
-        where there is no dataset, as in a sweep; see ``bench.scoring.judgement.TrueScene``.
     parts : tuple of ScorePart
         What it adds to the common core of a score.
     frame_rows : callable
@@ -102,6 +99,12 @@ class Chain:
         ``verdict(record)``: one line of how wrong an estimate is.
     legend : str
         What the marks of ``picture`` mean.
+    greys : str
+        How its grey levels come about; empty where the legend says it all.
+    judge_alone : callable, optional
+        ``judge_alone(estimate, record, scene)``: a ``Judgement`` of one frame by its sealed record,
+        where there is no dataset, as in a sweep; see ``bench.scoring.judgement.TrueScene``. Without
+        it the chain's cases cannot be swept.
     trials : callable, optional
         ``trials(dataset, workers)``: more that is tried with the chain's pipelines beside the run
         itself; returns the files written.
@@ -115,7 +118,6 @@ class Chain:
     truths: Callable[[Dataset], Mapping[int, Any]]
     truth: Callable[[Dataset], Any]
     judge: Callable[[Run, Any], Sequence[Judgement]]
-    judge_alone: Callable[[Estimate, Any, TrueScene], Judgement]
     parts: tuple[ScorePart, ...]
     frame_rows: Callable[[Sequence[Sequence[Any]], Any], list[dict[str, Any]]]
     report: Callable[[ReportInput], ReportParts]
@@ -124,6 +126,8 @@ class Chain:
     show: Callable[[FrameRecord], NDArray[uint8] | None]
     verdict: Callable[[FrameRecord], str]
     legend: str
+    greys: str = ""
+    judge_alone: Callable[[Estimate, Any, TrueScene], Judgement] | None = None
     trials: Callable[[Dataset, int], list[Path]] | None = None
     brought: Mapping[str, str] = field(default_factory=dict)
 

@@ -9,7 +9,6 @@ import jinja2
 
 from bench.estimating.runs import PREFERRED
 from bench.pictures.frame_record import FrameRecords
-from bench.pictures.stretch import STRETCH
 from bench.report.filmstrip import HERO_WIDTH_PX, filmstrip, picture
 from bench.report.parts import ReportInput, Section, TitledTable
 from bench.report.scenario_tables import scenario_tables
@@ -78,8 +77,7 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
         "later": [*parts.later, lost],
         "hero": picture(records, parts.hero, HERO_WIDTH_PX),
         "frames": filmstrip(records, parts.shown),
-        "legend": chain.legend,
-        "stretch": STRETCH,
+        "marks": ". ".join(each.capitalize() for each in (chain.legend, chain.greys) if each),
         "span_s": [rows[place]["time_s"] for place in (0, -1)],
         "camera": records.onboard.camera,
         "explained": set(TITLES) <= set(score["pipelines"]),
