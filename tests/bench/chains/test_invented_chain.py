@@ -137,7 +137,7 @@ def test_no_number_is_none_in_the_score(blind):
     api.report(blind)
 
 
-def test_without_truth_it_is_estimated_and_shown_but_not_api.score(seen):
+def test_without_truth_it_is_estimated_and_shown_but_not_scored(seen):
     api.score(seen)
     shutil.rmtree(seen / "truth")
     api.show(seen, 1, seen / "one.png")

@@ -304,8 +304,7 @@ def test_no_process_outlives_the_command(tmp_path, sign, script):
     program.write_text(
         "import signal, sys\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # tests in the background
-        "from bench import api
-from bench.cli import main\n"
+        "from bench.cli import main\n"
         "if __name__ == '__main__':\n    sys.exit(main())\n"
     )
     begin = (
