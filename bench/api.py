@@ -140,7 +140,7 @@ def report(folder: Path) -> Path:
     return write_report(folder)
 
 
-def show(folder: Path, frame: int, out: Path, variant: str = "best") -> Path:
+def show(folder: Path, frame: int, out: Path, variant: str | None = None) -> Path:
     """Draw one frame of a dataset into a PNG file, with estimate and truth.
 
     Parameters
@@ -149,8 +149,8 @@ def show(folder: Path, frame: int, out: Path, variant: str = "best") -> Path:
     frame : int
     out : Path
         The picture.
-    variant : str
-        Whose estimates.
+    variant : str, optional
+        Whose estimates; those of ``best`` unless given, or of the first that has spoken.
 
     Returns
     -------

@@ -271,20 +271,22 @@ class Show:
     """a dataset; estimates and truth are drawn where it has them"""
     frame: Positional[Annotated[int, arg(metavar="FRAME")]]
     """number of the frame"""
-    variant: Annotated[str, arg(metavar="NAME")] = "best"
-    """whose estimates to draw"""
+    variant: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    """whose estimates to draw; best's unless given, or of the first that has spoken"""
     out: OptionalFile = None
     """the picture; else DIR/show/FRAME_NAME.png"""
 
     def run(self) -> int:
         """Draw and write the picture."""
+        from bench.estimating.runs import PREFERRED, spoken_variant
         from bench.pictures.our_picture import check_picture_place
 
-        name = f"{self.frame:06d}_{self.variant}.png"
+        variant = self.variant or spoken_variant(self.folder)
+        name = f"{self.frame:06d}_{variant or PREFERRED}.png"
         out = self.out or self.folder / "show" / name
         if self.out is not None:
             check_picture_place(self.out)
-        api.show(self.folder, self.frame, out, self.variant)
+        api.show(self.folder, self.frame, out, variant)
         print(f"picture: {out}")
         return DONE
 

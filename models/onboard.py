@@ -7,7 +7,7 @@ needs and says which it lacks; the files are those of a dataset's public half.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from models.arrays import Floats
 from models.camera import Camera
@@ -80,8 +80,8 @@ class OnboardKnowledge:
 
     Attributes
     ----------
-    camera : Camera
-    detector : Detector
+    camera : Camera or None
+    detector : Detector or None
     markers : MarkerPattern or None
     prior : PosePrior or None
     wireframe : Wireframe or None
@@ -90,16 +90,20 @@ class OnboardKnowledge:
         Blur of the lens as measured before flight.
     sigmas : dict of str to float
         1-sigma of what the above may be wrong by, by ``file.key``: ``camera.fx``.
+    tables : dict of str to dict
+        What else a chain has on board, such as a range finder's calibration: tables of TOML, by
+        the name of their file.
     """
 
-    camera: Camera
-    detector: Detector
+    camera: Camera | None = None
+    detector: Detector | None = None
     markers: MarkerPattern | None = None
     prior: PosePrior | None = None
     wireframe: Wireframe | None = None
     expectations: FlightExpectations | None = None
     psf_sigma_px: float | None = None
     sigmas: dict[str, float] = field(default_factory=dict)
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 def needed(part: Part | None, file: str, pipeline: str) -> Part:

@@ -21,6 +21,7 @@ from models.errors import DatasetError, UnreadableError
 from models.estimate import Estimate
 from models.reading.json_file import read_json_table
 
+PREFERRED = "best"
 SAME_INSTANT_S = 1e-6
 
 
@@ -95,8 +96,14 @@ def found_variants(folder: Path) -> tuple[str, ...]:
     return variants
 
 
-def spoken_variant(folder: Path, variant: str) -> str | None:
+def spoken_variant(folder: Path, variant: str | None = None) -> str | None:
     """Return a variant if it has estimates of run 0, None if none has.
+
+    Parameters
+    ----------
+    folder : Path
+    variant : str, optional
+        Unless given, ``best`` where it has spoken, else the first that has.
 
     Raises
     ------
@@ -104,6 +111,8 @@ def spoken_variant(folder: Path, variant: str) -> str | None:
         If others have, but not this one.
     """
     spoken = spoken_variants(folder)
+    if variant is None:
+        return PREFERRED if PREFERRED in spoken else next(iter(spoken), None)
     if spoken and variant not in spoken:
         raise DatasetError(
             f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, got {variant!r}"

@@ -59,8 +59,8 @@ def wireframe_overlay(
     (height, width_px, 3) uint8 array
         RGB.
     """
-    camera, target = record.onboard.camera, record.onboard.wireframe
-    canvas = _Canvas.of(record.image(IMAGE), record.onboard.detector, width_px, window)
+    camera, target = record.camera, record.onboard.wireframe
+    canvas = _Canvas.of(record.image(IMAGE), record.detector, width_px, window)
     if truth and record.truth is not None and target is not None:
         canvas.draw_edges(camera, target, record.truth.cam_from_target, TRUTH_CYAN)
     if record.estimate is not None:
@@ -111,7 +111,8 @@ def window_around(onboard: OnboardKnowledge, cam_from_target: RigidTransform) ->
     """
     if onboard.wireframe is None:
         return None
-    pixels = onboard.camera.project(cam_from_target @ wireframe_of(onboard).points_in_target)
+    camera = needed(onboard.camera, "camera.toml", "pictures of a wireframe")
+    pixels = camera.project(cam_from_target @ wireframe_of(onboard).points_in_target)
     if not np.isfinite(pixels).all():
         return None
     low, high = pixels.min(axis=0), pixels.max(axis=0)

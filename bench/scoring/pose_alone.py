@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.chains.chain import FrameTruth
+from bench.chains.chain import PosedFrameTruth
 from bench.estimating.runs import Run
 from bench.pictures.frame_record import pose_stood_by
 from bench.scoring.asked import Check, checks
@@ -31,12 +31,12 @@ class TruePoses:
     Attributes
     ----------
     dataset : Dataset
-    by_frame : mapping of int to FrameTruth
+    by_frame : mapping of int to PosedFrameTruth
     limits : Limits
     """
 
     dataset: Dataset
-    by_frame: Mapping[int, FrameTruth]
+    by_frame: Mapping[int, PosedFrameTruth]
     limits: Limits
 
 
@@ -86,13 +86,13 @@ def judge_run(run: Run, truth: TruePoses) -> list[JudgedPose]:
     ]
 
 
-def judge_alone(said: Estimate, record: FrameTruth, scene: TrueScene) -> JudgedPose:
+def judge_alone(said: Estimate, record: PosedFrameTruth, scene: TrueScene) -> JudgedPose:
     """Hold one estimate of one frame against its sealed record."""
     return judged_pose(0, said, record, scene.onboard, scene.limits)
 
 
 def judged_pose(
-    run: int, said: Estimate, was: FrameTruth, onboard: OnboardKnowledge, limits: Limits
+    run: int, said: Estimate, was: PosedFrameTruth, onboard: OnboardKnowledge, limits: Limits
 ) -> JudgedPose:
     """Hold the pose that an estimate stands by against the truth.
 
@@ -100,7 +100,7 @@ def judged_pose(
     ----------
     run : int
     said : Estimate
-    was : FrameTruth
+    was : PosedFrameTruth
     onboard : OnboardKnowledge
     limits : Limits
     """

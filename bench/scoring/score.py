@@ -11,10 +11,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from bench.chains.catalogue import chain_named
 from bench.chains.chain import Chain
@@ -136,7 +139,7 @@ def _score(dataset: Dataset, chain: Chain, truth: Any, label: str) -> dict[str, 
     return {
         "core": asdict(core),
         "parts": parts,
-        "per_frame": [{**_row(judgement), **own} for judgement, own in rows],
+        "per_frame": [{**_row(judgement), **_plain(own)} for judgement, own in rows],
     }
 
 
@@ -165,10 +168,17 @@ def _row(judgement: Judgement) -> dict[str, Any]:
 
 
 def _plain(part: Any) -> Any:
+    """Return what a chain says as JSON has it: arrays as lists, None for what is not finite."""
     if is_dataclass(part) and not isinstance(part, type):
-        return asdict(part)
+        return _plain(asdict(part))
+    if isinstance(part, Mapping):
+        return {str(key): _plain(item) for key, item in part.items()}
+    if isinstance(part, np.ndarray | np.generic):
+        return _plain(part.tolist())
     if isinstance(part, list | tuple):
         return [_plain(item) for item in part]
+    if isinstance(part, float) and not math.isfinite(part):
+        return None
     return part
 
 

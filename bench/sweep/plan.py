@@ -184,9 +184,15 @@ def has_lamps(world: World) -> bool:
 def _contenders(request: SweepRequest, world: World) -> list[Contender]:
     streams = [stream.name for stream in world.sensor.streams]
     streams += [sensor.name for sensor in world.tables]
-    own = chain_named(world.chain).pipelines
+    chain = chain_named(world.chain)
+    if chain.judge_alone is None:
+        raise ScenarioError(
+            f"expected a case whose frames can be judged one by one, got {world.scenario.name}, "
+            f"whose chain {chain.name} cannot; `rvbench run` renders and scores it"
+        )
+    own = chain.pipelines
     if request.pipeline == "both":
-        found = [each for each in contenders(streams, own)[0] if each.is_ours]
+        found, _ = contenders(streams, own, foreign=False)
     else:
         found, _ = contenders(streams, own, (request.pipeline,))
     if not found:

@@ -14,7 +14,7 @@ from models.camera import Camera
 from models.dataset.frame_table import FrameEntry
 from models.errors import ScenarioError
 from models.frame import TableReading
-from models.onboard import OnboardKnowledge
+from models.onboard import OnboardKnowledge, needed
 from renders.scenario.told_tables import (
     CalibrationTable,
     Difference,
@@ -66,14 +66,16 @@ def told(
     ScenarioError
         If the run's draw gives something that cannot be.
     """
-    onboard = replace(true, camera=calibrated(true.camera, calibration, run), psf_sigma_px=None)
+    camera = calibrated(needed(true.camera, "camera.toml", "a render"), calibration, run)
+    detector = needed(true.detector, "detector.toml", "a render")
+    onboard = replace(true, camera=camera, psf_sigma_px=None)
     if table is None:
         return onboard
     try:
         return replace(
             onboard,
-            camera=told_camera(onboard.camera, table.camera, run),
-            detector=told_detector(true.detector, table.detector, run),
+            camera=told_camera(camera, table.camera, run),
+            detector=told_detector(detector, table.detector, run),
             markers=told_markers(true.markers, table.markers, run),
             wireframe=told_wireframe(true.wireframe, table.target, run),
             expectations=told_expectations(true.expectations, table.mount, table.target, run),

@@ -18,6 +18,7 @@ from bench.report.parts import (
 from bench.report.plot import svg_address
 from bench.report.table import length
 from bench.scoring.score import shown_labels
+from models.onboard import needed
 
 
 def report(given: ReportInput) -> ReportParts:
@@ -26,7 +27,9 @@ def report(given: ReportInput) -> ReportParts:
     published = published_case(given.info.target, given.info.sun)
     ranges = [row["range_m"] for row in rows]
     with_pose = [row for row in rows if row["reason"] is None] or rows
-    camera, detector = given.records.onboard.camera, given.records.onboard.detector
+    onboard = given.records.onboard
+    camera = needed(onboard.camera, "camera.toml", "the report")
+    detector = needed(onboard.detector, "detector.toml", "the report")
     return ReportParts(
         lead=(
             f"{given.info.target} under Sun {given.info.sun}, {score['frames']} image pairs of "
