@@ -34,7 +34,7 @@ PLANTED = {
         "pipelines.chaser_fixed.options -> mitsuba",
     ),
     "pipelines/chaser_fixed/pipeline.py": (
-        "from renders.truth import exposure_truth",
+        "from renders import truth",
         "pipelines.chaser_fixed.pipeline -> renders.truth.exposure_truth",
     ),
     "pipelines/registry.py": (
