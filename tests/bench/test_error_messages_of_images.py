@@ -107,7 +107,8 @@ BAD_IMAGES: dict[str, tuple[Spoil, str]] = {
     "half a wireframe": (lambda d: cut(d / "wireframe.json"), "estimate DIR"),
     "no wireframe": (lambda d: (d / "wireframe.json").unlink(), "estimate DIR"),
     "a wireframe that is not told of": (
-        lambda d: replace(d / "dataset.json", '"wireframe.json"', '"camera.toml"'),
+        lambda d: change_json(
+            d / "dataset.json", "onboard", to=["camera.toml", "detector.toml", "knowledge.toml"]),
         "estimate DIR"),
     "no orbit": (lambda d: (d / "navigation.csv").unlink(), "estimate DIR"),
     "an orbit with a column too many": (
@@ -119,7 +120,6 @@ BAD_IMAGES: dict[str, tuple[Spoil, str]] = {
         lambda d: replace(d / "navigation.csv", "\n0,0.0,", "\n0,soon,"), "estimate DIR"),
     "no such pipeline": (nothing, "estimate DIR --pipelines bset"),
     "a pipeline of other streams": (nothing, "estimate DIR --pipelines chaser_fixed"),
-    "images as pairs": (nothing, "estimate --frames DIR/frames --camera DIR/camera.toml"),
     "options of pairs with a dataset": (nothing, "estimate DIR --target xmm"),
     "no estimates": (lambda d: shutil.rmtree(d / "estimates"), "score DIR"),
     "no truth": (lambda d: shutil.rmtree(d / "truth"), "score DIR"),
@@ -128,9 +128,6 @@ BAD_IMAGES: dict[str, tuple[Spoil, str]] = {
     "estimates of other times": (
         lambda d: shift_times(d / "estimates/best.jsonl"), "score DIR"),
     "an estimate missing": (lambda d: cut_last_line(d / "estimates/best.jsonl"), "score DIR"),
-    "a state that is something else": (
-        lambda d: replace(d / "estimates/best.jsonl", "rho_dot_in_lvlh_m_s", "rho_dot"),
-        "score DIR"),
     "a binary truth": (
         lambda d: (d / "truth/exposures.jsonl").write_bytes(b"\xff\xfe"), "score DIR"),
     "half a truth": (lambda d: cut(d / "truth/exposures.jsonl"), "score DIR"),
