@@ -31,5 +31,5 @@ CHAIN = Chain(
         "red circle: detected corner (dim: matched to no landmark)"
     ),
     greys=STRETCH,
-    trials=lazily("bench.estimating.starts:try_starts"),
+    trials=lazily("bench.estimating.tumble.starts:try_starts"),
 )

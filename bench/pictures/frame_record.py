@@ -55,14 +55,19 @@ class FrameRecord:
     @property
     def best_known_pose(self) -> RigidTransform | None:
         """``cam_from_target`` as it truly was, or else as estimated, or None."""
-        true_pose: RigidTransform | None = getattr(self.truth, "cam_from_target", None)
-        return self.estimated_pose if true_pose is None else true_pose
+        cam_from_target = self.true_pose
+        return self.estimated_pose if cam_from_target is None else cam_from_target
+
+    @property
+    def true_pose(self) -> RigidTransform | None:
+        """``cam_from_target`` as it truly was; None where the truth tells none."""
+        return getattr(self.truth, "cam_from_target", None)
 
     @property
     def true_range_m(self) -> float | None:
         """From the camera to the target frame's origin, m; None where the truth tells no pose."""
-        true_pose = getattr(self.truth, "cam_from_target", None)
-        return None if true_pose is None else float(np.linalg.norm(true_pose.translation))
+        pose = self.true_pose
+        return None if pose is None else float(np.linalg.norm(pose.translation))
 
     @property
     def camera(self) -> Camera:

@@ -145,13 +145,13 @@ def frame_rows(judged: Sequence[Sequence[JudgedPose]], truth: TruePoses) -> list
     ]
 
 
-def _nees(said: Estimate, true: RigidTransform) -> float | None:
+def _nees(said: Estimate, truth: RigidTransform) -> float | None:
     """Return ``e' P^-1 e`` of the frame's own pose; None where no covariance is stated."""
     if said.pose is None or said.pose.covariance is None:
         return None
     pose = said.pose.cam_from_target
-    turn = Rotation.from_matrix(pose.rotation @ true.rotation.T).as_rotvec()
-    error = np.concatenate([turn, pose.translation - true.translation])
+    turn = Rotation.from_matrix(pose.rotation @ truth.rotation.T).as_rotvec()
+    error = np.concatenate([turn, pose.translation - truth.translation])
     try:
         return float(error @ np.linalg.solve(said.pose.covariance, error))
     except np.linalg.LinAlgError:

@@ -14,7 +14,7 @@ import pytest
 from bench import api
 from bench.cli import main
 from bench.estimating.runs import estimates_path
-from bench.estimating.starts import starts_path
+from bench.estimating.tumble.starts import starts_path
 from models.dataset.estimates_file import write_estimates
 from models.estimate import Detections, Estimate, PoseEstimate
 from tests.support.bad_input import (

@@ -42,7 +42,7 @@ WATCHED_IMAGES = WATCHED.replace(
     "from bench.cli import main\ncode = main(sys.argv[1:])",
     """
 from pathlib import Path
-import bench.estimating.starts
+import bench.estimating.tumble.starts
 from bench.estimating.estimation import taking_part
 from bench.estimating.runner import estimate_run
 from models.dataset.dataset import open_dataset

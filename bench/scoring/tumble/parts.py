@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from bench.estimating.starts import read_starts, starts_path
+from bench.estimating.tumble.starts import read_starts, starts_path
 from bench.scoring.asked import Check, checks
 from bench.scoring.core_score import Sizes, sizes
 from bench.scoring.judgement import without_numbers
