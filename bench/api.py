@@ -189,6 +189,8 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
 
     Raises
     ------
+    ScenarioError
+        If there are no seeds, or more than a thousand.
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """

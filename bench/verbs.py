@@ -156,7 +156,16 @@ class Estimate:
     """most that a pipeline may take for a frame, in s; longer, and the frame is lost"""
 
     def run(self) -> int:
-        """Estimate."""
+        """Estimate.
+
+        Raises
+        ------
+        ScenarioError
+            If there is neither a dataset nor a folder of frames, or both; if options of frames come
+            with a dataset, or frames without a camera.
+        RvbenchError
+            Each says what to do.
+        """
         if (self.folder is None) == (self.frames is None):
             raise ScenarioError(
                 "expected either a dataset, `rvbench estimate DIR`, or anybody's frames, "

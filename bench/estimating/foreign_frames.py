@@ -156,6 +156,15 @@ def tables_beside(
 ) -> dict[str, dict[int, TableReading]]:
     """Read what other sensors measured, by stream and frame, from tables in or beside a folder.
 
+    Parameters
+    ----------
+    folder : Path
+        Of images.
+    entries : list of FrameEntry
+        Of the frames.
+    navigation : Path, optional
+        The chaser's orbit; looked for unless given.
+
     Raises
     ------
     DatasetError
@@ -173,6 +182,14 @@ def read_frames(
     tables: dict[str, dict[int, TableReading]] | None = None,
 ) -> Iterator[Frame]:
     """Read frames one at a time.
+
+    Parameters
+    ----------
+    found : list of ForeignFrame
+    camera : Camera
+        As calibrated.
+    tables : dict of dict, optional
+        As ``tables_beside`` reads them.
 
     Raises
     ------

@@ -48,7 +48,15 @@ class GivenFiles:
 
 
 def beside(folder: Path, name: str, given: Path | None) -> Path | None:
-    """Return the file given, else the one of that name in or beside a folder, if there is one."""
+    """Return the file given, else the one of that name in or beside a folder, if there is one.
+
+    Parameters
+    ----------
+    folder : Path
+    name : str
+        Of the file, where it is not given.
+    given : Path or None
+    """
     places = (folder / name, folder.resolve().parent / name)
     return given or next((place for place in places if place.is_file()), None)
 

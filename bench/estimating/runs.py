@@ -52,12 +52,27 @@ def run_folder(folder: Path, number: int) -> Path:
 
 
 def estimates_path(folder: Path, number: int, variant: str) -> Path:
-    """Return the estimates file of one variant in one run."""
+    """Return the estimates file of one variant in one run.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset.
+    number : int
+        Of the run.
+    variant : str
+        Label of the pipeline.
+    """
     return run_folder(folder, number) / "estimates" / f"{variant}.jsonl"
 
 
 def runtimes_path(folder: Path, number: int, variant: str) -> Path:
-    """Return the runtimes file of one variant in one run."""
+    """Return the runtimes file of one variant in one run.
+
+    Parameters
+    ----------
+    folder, number, variant : as for ``estimates_path``
+    """
     return run_folder(folder, number) / "estimates" / f"{variant}.runtime.csv"
 
 

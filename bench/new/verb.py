@@ -37,7 +37,13 @@ class New:
     """the file will be NAME.toml, the package the folder NAME"""
 
     def run(self) -> int:
-        """Write it, and say what to do with it."""
+        """Write it, and say what to do with it.
+
+        Raises
+        ------
+        ScenarioError
+            If the name cannot be, or something of that name is there.
+        """
         from models.atomic_file import write_text
 
         name = self.name if self.kind == "pipeline" else self.name.removesuffix(".toml")

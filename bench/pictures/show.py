@@ -73,6 +73,8 @@ def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
     ------
     StorageError
         If the file cannot be written.
+    ValueError
+        If OpenCV refuses the picture.
     """
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:

@@ -73,7 +73,13 @@ def wireframe_overlay(
 
 
 def close_view(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
-    """Return the part of a frame that holds the target, marked; all of it where nobody knows."""
+    """Return the part of a frame that holds the target, marked; all of it where nobody knows.
+
+    Returns
+    -------
+    (height, width_px, 3) uint8 array
+        RGB.
+    """
     pose = record.best_known_pose
     window = None if pose is None else window_around(record.onboard, pose)
     return wireframe_overlay(record, width_px, window=window)

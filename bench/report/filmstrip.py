@@ -83,7 +83,13 @@ def _fitting_width(image_px: int, wanted_px: int) -> int:
 
 
 def jpeg(image: NDArray[np.uint8]) -> str:
-    """Return an RGB image as a ``data:`` address."""
+    """Return an RGB image, (height, width, 3), as a ``data:`` address.
+
+    Raises
+    ------
+    ValueError
+        If OpenCV refuses it.
+    """
     ok, data = cv2.imencode(".jpg", image[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     if not ok:
         raise ValueError(f"expected OpenCV to encode an image of shape {image.shape}, it refused")

@@ -87,7 +87,14 @@ def judge_run(run: Run, truth: TruePoses) -> list[JudgedPose]:
 
 
 def judge_alone(said: Estimate, record: PosedFrameTruth, scene: TrueScene) -> JudgedPose:
-    """Hold one estimate of one frame against its sealed record."""
+    """Hold one estimate of one frame against its sealed record.
+
+    Parameters
+    ----------
+    said : Estimate
+    record : PosedFrameTruth
+    scene : TrueScene
+    """
     return judged_pose(0, said, record, scene.onboard, scene.limits)
 
 
@@ -129,7 +136,16 @@ def turned_deg(estimate: RigidTransform, truth: RigidTransform) -> float:
 
 
 def asked(judged: Sequence[Sequence[JudgedPose]], truth: TruePoses, label: str) -> list[Check]:
-    """Hold run 0 against what the case asks for."""
+    """Hold run 0 against what the case asks for.
+
+    Parameters
+    ----------
+    judged : sequence of sequences of JudgedPose
+        Run by run.
+    truth : TruePoses
+    label : str
+        Of the pipeline.
+    """
     return checks(truth.dataset.folder, judged)
 
 

@@ -42,7 +42,13 @@ KNOWN = (CAMERA, DETECTOR, OPTICS, MARKERS, PRIOR, WIREFRAME, EXPECTATIONS, SIGM
 
 
 def onboard_texts(onboard: OnboardKnowledge) -> dict[str, str]:
-    """Return the texts of the files that hold what is on board, by name."""
+    """Return the texts of the files that hold what is on board, by name.
+
+    Raises
+    ------
+    DatasetError
+        If a table on board has the name of another file, or one that does not end in .toml.
+    """
     texts = {}
     if onboard.camera is not None:
         texts[CAMERA] = onboard.camera.to_toml()

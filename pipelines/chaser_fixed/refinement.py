@@ -60,6 +60,16 @@ def contrast_800(
     """Return how much a marker's face differs from its surround at 800 nm, over its height.
 
     That times the motion within the pair is how far the difference pulls the marker's centre.
+
+    Parameters
+    ----------
+    patch : AlignedPatch
+    centre_px : (2,) array, px
+        Of the marker's outline, in the whole image.
+    shape_px2 : (2, 2) array, px^2
+        ``S`` of the outline ``d^T S^-1 d = 1``.
+    height_dn : float, DN
+        Of the disc, as fitted.
     """
     v, u = np.indices(patch.image_800.shape)
     away = np.stack([u, v], axis=-1) + patch.corner_px - centre_px

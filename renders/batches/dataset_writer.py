@@ -86,7 +86,17 @@ def check_folder(folder: Path, info: DatasetInfo) -> None:
 
 
 def image_path(folder: Path, index: int, band: int) -> Path:
-    """Return where the image of one exposure lies in a dataset."""
+    """Return where the image of one exposure lies in a dataset.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset.
+    index : int
+        Of the frame.
+    band : int
+        800, 850 or ``FILTERED``.
+    """
     return folder / "frames" / f"{exposure_name(index, band)}.png"
 
 
@@ -184,13 +194,30 @@ class DatasetWriter:
         )
 
     def write_exposure(self, image: Image, truth: SealedRecord) -> None:
-        """Write an exposure's truth and then its image; the pixel truth must be there already."""
+        """Write an exposure's truth and then its image; the pixel truth must be there already.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        truth : SealedRecord
+            It says which exposure.
+        """
         text = json.dumps(truth.to_json()) + "\n"
         write_text(self.truth_path(truth.frame, truth.band), text)
         write_bytes(image_path(self.folder, truth.frame, truth.band), encode_image(image))
 
     def write_pixel_truth(self, frame: int, band: int, truth: PixelTruth, key: str) -> None:
-        """Write labels, depth (float) and normals (half) of an exposure, as the store has them."""
+        """Write labels, depth (float) and normals (half) of an exposure, as the store has them.
+
+        Parameters
+        ----------
+        frame : int
+        band : int
+            800, 850 or ``FILTERED``.
+        truth : PixelTruth
+        key : str
+            Under which the store has labels, depth and normals of this exposure.
+        """
         normals = truth.normals_in_target.astype(np.float16)
         channels: dict[str, AnyArray] = {
             "Z": truth.depth_m,
@@ -204,6 +231,15 @@ class DatasetWriter:
 
     def take_pixel_truth(self, frame: int, band: int, store: RadianceStore, key: str) -> bool:
         """Take labels, depth and normals of an exposure from a store.
+
+        Parameters
+        ----------
+        frame : int
+        band : int
+            800, 850 or ``FILTERED``.
+        store : RadianceStore
+        key : str
+            Of its entry.
 
         Returns
         -------

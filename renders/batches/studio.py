@@ -59,7 +59,12 @@ class Studio:
     def light(
         self, exposure: Exposure, cam_from_target: RigidTransform
     ) -> dict[LightGroup, Radiance]:
-        """Return what lights an exposure's frame, from the store or traced now."""
+        """Return what lights an exposure's frame, from the store or traced now.
+
+        Returns
+        -------
+        dict of LightGroup to (height, width) float32 arrays, W m-2 sr-1
+        """
         keys = self.group_keys(exposure, cam_from_target)
         there = read_groups(self.store, self.world, exposure, keys)
         if there is not None:
@@ -94,7 +99,18 @@ class Studio:
         cam_from_target: RigidTransform,
         groups: Sequence[LightGroup],
     ) -> dict[str, Radiance]:
-        """Trace groups in one pass; nothing is stored."""
+        """Trace groups in one pass; nothing is stored.
+
+        Parameters
+        ----------
+        exposure : Exposure
+        cam_from_target : RigidTransform
+        groups : sequence of LightGroup
+
+        Returns
+        -------
+        dict of (height, width) float32 arrays, W m-2 sr-1, by group name.
+        """
         from renders.tracing.radiance import Sampling, render_radiance
 
         self.build(cam_from_target)

@@ -127,7 +127,7 @@ SHARES = ("visible", "lamp_lit", "sun_lit")
 
 
 def direction(record: Fields, key: str) -> Floats:
-    """Return a unit vector.
+    """Return a unit vector, (3,).
 
     Raises
     ------

@@ -90,7 +90,15 @@ def told(
 
 
 def calibrated(camera: Camera, table: CalibrationTable, run: int) -> Camera:
-    """Return the camera as a run's ``[calibration]`` has it."""
+    """Return the camera as a run's ``[calibration]`` has it.
+
+    Parameters
+    ----------
+    camera : Camera
+        As simulated.
+    table : CalibrationTable
+    run : int
+    """
     draw = np.random.default_rng([run, CALIBRATION_DRAW]).standard_normal(4)
     focal, centre = table.sigma_focal_px, table.sigma_principal_point_px
     return replace(

@@ -206,7 +206,19 @@ def _judged(run: int, said: Estimate, frame: TrueFrame, limits: Limits) -> Judge
 
 
 def judge_alone(said: Estimate, record: ExposureTruth, scene: TrueScene) -> JudgedFrame:
-    """Hold one estimate of one pair against the sealed record of its 850 nm exposure."""
+    """Hold one estimate of one pair against the sealed record of its 850 nm exposure.
+
+    Parameters
+    ----------
+    said : Estimate
+    record : ExposureTruth
+    scene : TrueScene
+
+    Raises
+    ------
+    DatasetError
+        If the scene has no markers.
+    """
     pattern = needed(scene.markers, "markers.toml", "judging pairs")
     frame = TrueFrame(
         entry=FrameEntry(record.frame, record.time_s),

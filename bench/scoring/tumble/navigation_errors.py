@@ -174,7 +174,19 @@ def innovation_nis(estimate: Estimate, cam_from_lvlh: RigidTransform) -> tuple[f
 
 
 def normalised_square(error: Floats, covariance: Floats | None) -> float:
-    """Return ``e' P^-1 e``; NaN where P is absent or not positive definite."""
+    """Return ``e' P^-1 e``.
+
+    Parameters
+    ----------
+    error : (n,) array
+    covariance : (n, n) array or None
+        In the units of the error.
+
+    Returns
+    -------
+    float
+        NaN where the covariance is absent or not positive definite.
+    """
     if covariance is None:
         return NONE
     try:
