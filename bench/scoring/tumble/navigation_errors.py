@@ -180,7 +180,7 @@ def normalised_square(error: Floats, covariance: Floats | None) -> float:
     ----------
     error : (n,) array
     covariance : (n, n) array or None
-        In the units of the error.
+        In the squares of the error's units.
 
     Returns
     -------
