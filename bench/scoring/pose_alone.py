@@ -111,20 +111,20 @@ def judged_pose(
     onboard : OnboardKnowledge
     limits : Limits
     """
-    pose, true = pose_stood_by(said, onboard), was.cam_from_target
+    pose, truth = pose_stood_by(said, onboard), was.cam_from_target
     position_m = attitude_deg = moved = None
     if pose is not None:
-        moved = pose.translation - true.translation
+        moved = pose.translation - truth.translation
         position_m = float(np.linalg.norm(moved))
-        attitude_deg = turned_deg(pose, true)
+        attitude_deg = turned_deg(pose, truth)
     return JudgedPose(
         run=run,
         estimate=said,
-        range_m=float(np.linalg.norm(true.translation)),
+        range_m=float(np.linalg.norm(truth.translation)),
         position_m=position_m,
         attitude_deg=attitude_deg,
         missed=pose is None,
-        wrong=is_wrong(position_m, attitude_deg, ((_nees(said, true), POSE_DOF),), limits),
+        wrong=is_wrong(position_m, attitude_deg, ((_nees(said, truth), POSE_DOF),), limits),
         position_m_in_cam=None if moved is None else moved.tolist(),
     )
 
