@@ -195,6 +195,12 @@ def test_a_camera_file_comes_back_exactly(camera: Camera) -> None:
         assert Camera.from_toml(path) == camera
 
 
+@given(distorted_cameras())
+def test_lenses_as_calibrations_find_them_can_be_undone(camera: Camera) -> None:
+    spread = camera.spread_px()
+    np.testing.assert_allclose(camera.project(camera.rays(spread)), spread, atol=ROUNDING_PX)
+
+
 @pytest.mark.parametrize("k", [(-5.0, 0.0, 0.0), (1.0, -30.0, 60.0)])
 def test_a_lens_that_folds_the_image_over_is_refused(k: tuple[float, float, float]) -> None:
     """Also where it folds at mid-field and the corners might find a way back."""

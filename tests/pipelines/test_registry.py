@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 
 import pytest
@@ -62,8 +63,9 @@ def test_ours_are_made_from_what_is_on_board(name: str, info, onboard, other) ->
     for variant in pipeline.variants:
         made = pipeline.make(onboard, variant)
         assert made is not pipeline.make(onboard, variant)  # each run has its own
-        with pytest.raises(DatasetError, match=f"for the pipeline {name}, got a dataset without"):
-            pipeline.make(other, variant)
+        for lacking in (other, replace(onboard, camera=None)):
+            with pytest.raises(DatasetError, match=f"for the pipeline {name}, got none"):
+                pipeline.make(lacking, variant)
     with pytest.raises(ScenarioError, match="among paper, best, got 'bset'"):
         pipeline.make(onboard, "bset")
 
