@@ -212,10 +212,12 @@ def to_csv(rows: list[Row]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     flat = [_flat(row) for row in rows]
-    writer.writerow(list(flat[0]) if flat else PLAIN_COLUMNS)
+    header = list(flat[0]) if flat else PLAIN_COLUMNS
+    writer.writerow(header)
     for values in flat:
+        cells = (values[name] for name in header)
         writer.writerow(
-            ["" if x is None else repr(x) if isinstance(x, float) else x for x in values.values()]
+            ["" if x is None else repr(x) if isinstance(x, float) else x for x in cells]
         )
     return text.getvalue()
 

@@ -119,8 +119,10 @@ def test_an_error_is_told_with_digits_that_say_something(scored_dataset):
     record = FrameRecords(scored_dataset.folder).record(1)
     truth = record.truth.cam_from_target
     near = dataclasses.replace(
-        record.estimate, cam_from_target=truth.perturbed([0.0, 0.0, 0.0], [-2e-6, 0.0, 3.14159e-4])
+        record.estimate.pose,
+        cam_from_target=truth.perturbed([0.0, 0.0, 0.0], [-2e-6, 0.0, 3.14159e-4]),
     )
-    told = dataclasses.replace(record, estimate=near).verdict
+    said = dataclasses.replace(record.estimate, pose=near)
+    told = verdict(dataclasses.replace(record, estimate=said))
     minus = "\N{MINUS SIGN}"
     assert told.startswith(f"position error {minus}0.00200, 0, +0.314 mm; attitude ")

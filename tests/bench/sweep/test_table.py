@@ -9,9 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bench.scoring.judgement import TrueScene
+from bench.scoring.limits import Limits
 from bench.scoring.pairs.detections import visible_markers
+from bench.scoring.pairs.judged_pairs import judge_alone
 from bench.sweep.extremes import ranked
 from bench.sweep.table import (
+    LARGEST,
     VERDICTS,
     Row,
     Setting,
@@ -24,6 +28,7 @@ from bench.sweep.table import (
 )
 from models.camera import camera_preset
 from models.errors import DatasetError
+from models.frame import IMAGE_800, IMAGE_850
 from models.lights.sun_grid import read_sun
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
 from tests.support.synthetic_dataset import (
@@ -33,8 +38,9 @@ from tests.support.synthetic_dataset import (
     true_pose,
 )
 
-NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
-WORDS = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=12)
+NUMBERS = st.floats(-LARGEST, LARGEST)
+PERCENT = st.floats(0.0, 100.0)
+WORDS = st.text(st.characters(codec="utf-8").filter(str.isprintable), max_size=12)
 MAYBE = st.none() | NUMBERS
 COUNTS = st.integers(0, 20)
 ROWS = st.lists(
@@ -42,24 +48,34 @@ ROWS = st.lists(
         Row,
         **dict.fromkeys(("azimuth_deg", "elevation_deg", "time_s", "range_m"), NUMBERS),
         **dict.fromkeys(("exposure_ms", "lamp_w_sr"), NUMBERS),
-        **{f"saturated_{band}_percent": NUMBERS for band in (800, 850)},
         **dict.fromkeys(("sun", "sun_text", "pipeline", "reason"), WORDS),
         verdict=st.sampled_from(VERDICTS),
         **dict.fromkeys(("expected", "found", "mismatched", "used", "in_sun"), COUNTS),
         **dict.fromkeys(("position_error_mm", "attitude_error_deg", "position_sigma_mm"), MAYBE),
         **{f"error_{axis}_mm": MAYBE for axis in "xyz"},
+        saturated_percent=st.fixed_dictionaries({IMAGE_800: PERCENT, IMAGE_850: PERCENT}),
     ),
     max_size=4,
 )
 CAMERA = camera_preset("chaser_fixed").resized(512)
 TRUTH = true_exposure(0, 850, 12.0, true_pose(3.0, 0.0), CAMERA)
+SCENE = TrueScene(CAMERA, RETROREFLECTORS, None, Limits())
 MARKERS = visible_markers(TRUTH, CAMERA, RETROREFLECTORS)
 SETTING = Setting(12.0, 3.0, 0.5, 12.0)
 
 
 def judged(estimate, sun="S2"):
-    saturated = {800: 0.0, 850: 1.5}
-    return judged_row(read_sun(sun), SETTING, "best", estimate, TRUTH, MARKERS, saturated)
+    saturated = {IMAGE_800: 0.0, IMAGE_850: 1.5}
+    along_m = None
+    if estimate.pose is not None:
+        along_m = estimate.pose.cam_from_target.translation - TRUTH.cam_from_target.translation
+    alone = judge_alone(estimate, TRUTH, SCENE)
+    return judged_row(read_sun(sun), SETTING, "best", alone, along_m, saturated)
+
+
+def with_pose(estimate, cam_from_target):
+    pose = dataclasses.replace(estimate.pose, cam_from_target=cam_from_target)
+    return dataclasses.replace(estimate, pose=pose)
 
 
 @settings(max_examples=30)
@@ -136,7 +152,7 @@ def test_a_perfect_estimate_finds_every_marker_and_has_no_error():
 def test_errors_are_the_pose_errors_along_the_cameras_axes():
     estimate = perfect_estimate(TRUTH)
     off = TRUTH.cam_from_target.perturbed([0.0, 0.0, 0.01], [0.003, 0.0, -0.004])
-    row = judged(dataclasses.replace(estimate, cam_from_target=off))
+    row = judged(with_pose(estimate, off))
     assert (row.error_x_mm, row.error_y_mm, row.error_z_mm) == pytest.approx((3.0, 0.0, -4.0))
     assert row.position_error_mm == pytest.approx(5.0)
     assert row.attitude_error_deg == pytest.approx(math.degrees(0.01))
@@ -181,7 +197,7 @@ def test_one_lucky_draw_makes_no_direction_kind():
     """The error is one draw; what orders is the markers found, and the error to be expected."""
     estimate = perfect_estimate(TRUTH)
     lucky, unlucky = judged(estimate), judged(estimate)
-    sigma_mm = 1e3 * math.sqrt(np.trace(estimate.covariance[3:, 3:]))
+    sigma_mm = 1e3 * math.sqrt(np.trace(estimate.pose.covariance[3:, 3:]))
     assert lucky.position_sigma_mm == pytest.approx(sigma_mm)
     lucky = dataclasses.replace(lucky, position_error_mm=0.01, position_sigma_mm=2.0 * sigma_mm)
     unlucky = dataclasses.replace(unlucky, position_error_mm=1.0)
