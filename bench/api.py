@@ -22,6 +22,8 @@ from models.errors import ScenarioError
 if TYPE_CHECKING:  # both load much; each function loads what it needs
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
+    from models.camera import Camera
+    from renders.batches.stepping import Simulation
 
 MOST_RUNS = 1000  # their folders are named by three digits; see bench.estimating.runs
 
@@ -38,7 +40,7 @@ class RenderOptions(TypedDict, total=False):
     variant: Literal["auto", "llvm", "cuda", "scalar"]
     store: Path | None
     store_budget_gb: float | None
-    keep_light: Literal["all", "markers", "none"]
+    keep_light: Literal["all", "some", "none"]
     keep_every: int | None
     threads: int | None
 
@@ -126,6 +128,55 @@ def estimate(
     return estimate_dataset(folder, pipelines, time_limit_s, workers)
 
 
+def estimate_frames(
+    folder: Path,
+    camera: Camera,
+    target: str,
+    out: Path,
+    rate_hz: float = 5.0,
+    pipelines: Sequence[str] = (),
+    time_limit_s: float | None = None,
+    **files: Path | None,
+) -> list[Path]:
+    """Run pipelines on anybody's image pairs or single images.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the images.
+    camera : Camera
+        As calibrated.
+    target : str
+        A target's name, or its ``markers.toml`` or ``wireframe.json``.
+    out : Path
+        The estimates go to ``out/estimates``.
+    rate_hz : float, Hz
+        Where the folder has no ``frames.csv``.
+    pipelines : sequence of str
+        As for ``estimate``.
+    time_limit_s : float, optional, s
+        As for ``estimate``.
+    **files : Path or None
+        ``prior``, ``detector``, ``knowledge`` and ``navigation``; see
+        ``bench.estimating.foreign_knowledge``.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    RvbenchError
+        If the images or what is known cannot be used.
+    """
+    from bench.estimating.foreign_frames import estimate_frames
+    from bench.estimating.foreign_knowledge import GivenFiles
+
+    given = GivenFiles(target, **files)
+    return estimate_frames(folder, camera, given, rate_hz, out, pipelines, time_limit_s)
+
+
 def score(folder: Path) -> dict[str, Any]:
     """Score the estimates of a dataset into ``score.json``; see ``bench.scoring.score``."""
     from bench.scoring.score import score_dataset
@@ -140,7 +191,7 @@ def report(folder: Path) -> Path:
     return write_report(folder)
 
 
-def show(folder: Path, frame: int, out: Path, variant: str = "best") -> Path:
+def show(folder: Path, frame: int, out: Path, variant: str | None = None) -> Path:
     """Draw one frame of a dataset into a PNG file, with estimate and truth.
 
     Parameters
@@ -149,8 +200,8 @@ def show(folder: Path, frame: int, out: Path, variant: str = "best") -> Path:
     frame : int
     out : Path
         The picture.
-    variant : str
-        Whose estimates.
+    variant : str, optional
+        Whose estimates; those of ``best`` unless given, or of the first that has spoken.
 
     Returns
     -------
@@ -189,6 +240,8 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
 
     Raises
     ------
+    ScenarioError
+        If there are no seeds, or more than a thousand.
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
@@ -235,3 +288,48 @@ def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepR
 
     result = run_sweep(SweepRequest(case=case, out=out, **options))
     return result, write_outcome(result)
+
+
+def simulation(case: str, run: int = 0, **options: Any) -> Simulation:
+    """Start a world that is stepped frame by frame, for a loop of your own.
+
+    Parameters
+    ----------
+    case : str
+        Name of a case, or path of a scenario file.
+    run : int
+        Keys detector noise, prior and calibration.
+    **options
+        Sun, span, width, samples, variant, store and threads; see
+        ``renders.batches.stepping.Simulation``.
+
+    Raises
+    ------
+    RvbenchError
+        If the case or an option cannot be used.
+    """
+    from renders.batches.stepping import Simulation
+
+    return Simulation(case, run, **options)
+
+
+def new(kind: Literal["case", "camera", "pipeline"], name: str, folder: Path = Path()) -> Path:
+    """Write a file or a package to start from; see ``rvbench new``.
+
+    Parameters
+    ----------
+    kind : str
+        case, camera or pipeline.
+    name : str
+    folder : Path
+        Where.
+
+    Raises
+    ------
+    ScenarioError
+        If the name cannot be, or something of that name is there.
+    """
+    from bench.new.start import write_start
+
+    place, _ = write_start(kind, name, folder)
+    return place

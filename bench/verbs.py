@@ -61,10 +61,10 @@ class Render:
     """where rendered light is kept, to be shared by the Suns of a case"""
     store_budget_gb: OptionalNumber = None
     """what that may take; the longest unused goes first (20, else $RVBENCH_STORE_BUDGET_GB)"""
-    keep_light: Literal["all", "markers", "none"] = "all"
-    """whole light groups of all frames; of some, and each frame's marker windows; or no light"""
+    keep_light: Literal["all", "some", "none"] = "all"
+    """whose light groups to keep: those of all frames, of some, or of none"""
     keep_every: OptionalCount = None
-    """with `--keep-light markers`, frames from one kept whole to the next (10)"""
+    """with `--keep-light some`, frames from one that keeps its light to the next (10)"""
     threads: OptionalCount = None
     """cores to use; all unless given"""
 
@@ -119,48 +119,63 @@ class Run(Render):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Run pipelines on a dataset, or on anybody's image pairs.
+    """Run pipelines on a dataset, or on anybody's frames.
 
         rvbench estimate out/demo
         rvbench estimate --frames pairs --camera camera.toml --target maxar1300
+        rvbench estimate --frames images --camera camera.toml --target xmm
 
-    Image pairs are NAME_800.png and NAME_850.png (or .tif, or .jpg), grey, 8 or 16 bits, taken in
-    order of name.
+    Image pairs are NAME_800.png and NAME_850.png (or .tif, or .jpg), single images have any other
+    names; grey, 8 or 16 bits, taken in order of name. Pairs need a prior.toml, single images a
+    knowledge.toml and a navigation.csv, in or beside the folder; docs/formats.md tells of each.
     """
 
     folder: Positional[OptionalFolder] = None
     """a dataset; only its public half is read"""
     frames: OptionalFolder = None
-    """a folder of image pairs, instead of a dataset"""
+    """a folder of image pairs or single images, instead of a dataset"""
     camera: OptionalFile = None
-    """the camera of those pairs: width, height, fx, fy, cx, cy and distortion, in px"""
+    """the camera that took them: width, height, fx, fy, cx, cy and distortion, in px"""
     target: Annotated[str, arg(metavar="NAME|FILE")] = "maxar1300"
-    """whose markers they show: a target's name, or a markers.toml"""
+    """what they show: a target's name, or its markers.toml or wireframe.json"""
     prior: OptionalFile = None
-    """the first pose; else prior.toml in or beside the folder of the pairs"""
+    """the first pose; else prior.toml in or beside the folder of the frames"""
+    knowledge: OptionalFile = None
+    """mount and expected sigmas; else knowledge.toml in or beside the folder"""
+    navigation: OptionalFile = None
+    """the chaser's orbit; else navigation.csv in or beside the folder"""
     detector: OptionalFile = None
     """the detector; else guessed from the bits of the images"""
     rate_hz: Annotated[float, arg(metavar="NUMBER")] = 5.0
-    """pairs a second, where the folder has no frames.csv"""
+    """frames a second, where the folder has no frames.csv"""
     out: OptionalFolder = None
-    """where the estimates of image pairs go; else with the pairs"""
+    """where the estimates of those frames go; else with the frames"""
     pipelines: Annotated[tuple[str, ...], arg(metavar="NAME", help_behavior_hint="")] = ()
     """which pipelines; all that suit, other packages' too, unless given"""
     time_limit_s: OptionalNumber = None
     """most that a pipeline may take for a frame, in s; longer, and the frame is lost"""
 
     def run(self) -> int:
-        """Estimate."""
+        """Estimate.
+
+        Raises
+        ------
+        ScenarioError
+            If there is neither a dataset nor a folder of frames, or both; if options of frames come
+            with a dataset, or frames without a camera.
+        RvbenchError
+            Each says what to do.
+        """
         if (self.folder is None) == (self.frames is None):
             raise ScenarioError(
-                "expected either a dataset, `rvbench estimate DIR`, or image pairs, "
+                "expected either a dataset, `rvbench estimate DIR`, or anybody's frames, "
                 "`rvbench estimate --frames DIR --camera FILE`; "
                 f"got {'neither' if self.folder is None else 'both'}"
             )
         if self.folder is not None:
-            self._refuse_options_of_pairs()
+            self._refuse_options_of_frames()
         paths = (
-            self._pairs()
+            self._frames()
             if self.folder is None
             else api.estimate(self.folder, pipelines=self.pipelines, time_limit_s=self.time_limit_s)
         )
@@ -168,7 +183,7 @@ class Estimate:
             print(f"estimates: {path}")
         return DONE
 
-    def _refuse_options_of_pairs(self) -> None:
+    def _refuse_options_of_frames(self) -> None:
         typed = [
             f"--{field.name.replace('_', '-')}"
             for field in fields(self)
@@ -182,8 +197,9 @@ class Estimate:
                 f"for other knowledge: `rvbench estimate --frames {self.folder}/frames ...`"
             )
 
-    def _pairs(self) -> list[Path]:
-        from bench.estimating.foreign_frames import estimate_pairs
+    def _frames(self) -> list[Path]:
+        from bench.estimating.foreign_frames import estimate_frames
+        from bench.estimating.foreign_knowledge import GivenFiles
         from models.camera import Camera
 
         assert self.frames is not None
@@ -192,12 +208,10 @@ class Estimate:
                 "expected --camera FILE with --frames: a TOML file with width, height, fx, fy, cx "
                 "and cy in px (pixel centres are integers), and k1, k2, p1, p2, k3 if it distorts"
             )
-        return estimate_pairs(
+        return estimate_frames(
             self.frames,
             Camera.from_toml(self.camera),
-            target=self.target,
-            prior=self.prior,
-            detector=self.detector,
+            GivenFiles(self.target, self.prior, self.detector, self.knowledge, self.navigation),
             rate_hz=self.rate_hz,
             out=self.out or self.frames,
             pipelines=self.pipelines,
@@ -266,20 +280,22 @@ class Show:
     """a dataset; estimates and truth are drawn where it has them"""
     frame: Positional[Annotated[int, arg(metavar="FRAME")]]
     """number of the frame"""
-    variant: Annotated[str, arg(metavar="NAME")] = "best"
-    """whose estimates to draw"""
+    variant: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    """whose estimates to draw; best's unless given, or of the first that has spoken"""
     out: OptionalFile = None
     """the picture; else DIR/show/FRAME_NAME.png"""
 
     def run(self) -> int:
         """Draw and write the picture."""
+        from bench.estimating.runs import PREFERRED, spoken_variant
         from bench.pictures.our_picture import check_picture_place
 
-        name = f"{self.frame:06d}_{self.variant}.png"
+        variant = self.variant or spoken_variant(self.folder)
+        name = f"{self.frame:06d}_{variant or PREFERRED}.png"
         out = self.out or self.folder / "show" / name
         if self.out is not None:
             check_picture_place(self.out)
-        api.show(self.folder, self.frame, out, self.variant)
+        api.show(self.folder, self.frame, out, variant)
         print(f"picture: {out}")
         return DONE
 

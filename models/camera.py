@@ -267,7 +267,7 @@ class Camera:
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
 
     def spread_px(self, steps: int = 8) -> Floats:
-        """Return pixels spread evenly over the image, corners included, ((steps + 1)^2, 2)."""
+        """Return pixels spread evenly over the image, corners and all, (n, 2): steps + 1 a side."""
         across = np.linspace(-0.5, self.width - 0.5, steps + 1)
         down = np.linspace(-0.5, self.height - 0.5, steps + 1)
         return np.stack(np.meshgrid(across, down), axis=-1).reshape(-1, 2)

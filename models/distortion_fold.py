@@ -19,6 +19,11 @@ def fold_radius(k1: float, k2: float, p1: float, p2: float, k3: float) -> float:
     worst direction, ``a t + b (1 - t) - 2 r P sqrt(1 + 8 t)``. The root lies below its tangent at
     t = 1, so the form is at least the lesser of ``a - 6 r P``, which a barrel reaches, and
     ``b - 10/3 r P``. The first radius at which either vanishes is returned; infinity if none does.
+
+    Parameters
+    ----------
+    k1, k2, p1, p2, k3 : float
+        As ``models.camera.Camera`` has them.
     """
     tangential = float(np.hypot(p1, p2))
     along = [1.0, -6.0 * tangential, 3.0 * k1, 0.0, 5.0 * k2, 0.0, 7.0 * k3]

@@ -73,7 +73,13 @@ class TableReading:
             )
 
     def column(self, name: str) -> Floats:
-        """Return the numbers of one column, (n,)."""
+        """Return the numbers of one column, (n,).
+
+        Raises
+        ------
+        DatasetError
+            If there is none of that name.
+        """
         if name not in self.columns:
             raise DatasetError(
                 f"expected a column {name!r}, got a table of {', '.join(self.columns)}"

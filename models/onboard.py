@@ -7,7 +7,7 @@ needs and says which it lacks; the files are those of a dataset's public half.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from models.arrays import Floats
 from models.camera import Camera
@@ -18,6 +18,16 @@ from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
 
 Part = TypeVar("Part")
+
+HOW_TO_GIVE = {
+    "prior.toml": "it tracks from a first pose: write t_cam_from_target_m, euler_321_deg, "
+    "sigma_t_m and sigma_euler_deg, three numbers each",
+    "markers.toml": "name a target that has markers, or a markers.toml",
+    "wireframe.json": "name a target that has a wireframe, or a wireframe.json",
+    "knowledge.toml": "write how the camera is mounted, R_cam_from_lvlh (3 x 3) and "
+    "t_cam_from_lvlh_m, and the 1-sigmas sigma_px, chaser_sigma_m and chaser_sigma_m_s",
+}
+"""What to write into a file that a pipeline lacks."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +80,8 @@ class OnboardKnowledge:
 
     Attributes
     ----------
-    camera : Camera
-    detector : Detector
+    camera : Camera or None
+    detector : Detector or None
     markers : MarkerPattern or None
     prior : PosePrior or None
     wireframe : Wireframe or None
@@ -80,16 +90,20 @@ class OnboardKnowledge:
         Blur of the lens as measured before flight.
     sigmas : dict of str to float
         1-sigma of what the above may be wrong by, by ``file.key``: ``camera.fx``.
+    tables : dict of str to dict
+        What else a chain has on board, such as a range finder's calibration: tables of TOML, by
+        the name of their file.
     """
 
-    camera: Camera
-    detector: Detector
+    camera: Camera | None = None
+    detector: Detector | None = None
     markers: MarkerPattern | None = None
     prior: PosePrior | None = None
     wireframe: Wireframe | None = None
     expectations: FlightExpectations | None = None
     psf_sigma_px: float | None = None
     sigmas: dict[str, float] = field(default_factory=dict)
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 def needed(part: Part | None, file: str, pipeline: str) -> Part:
@@ -109,5 +123,8 @@ def needed(part: Part | None, file: str, pipeline: str) -> Part:
         If it is not on board.
     """
     if part is None:
-        raise DatasetError(f"expected {file} for the pipeline {pipeline}, got a dataset without it")
+        told = HOW_TO_GIVE.get(file)
+        raise DatasetError(
+            f"expected {file} for the pipeline {pipeline}, got none" + (f"; {told}" if told else "")
+        )
     return part

@@ -11,6 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from bench.chains.chain import Chain
 from models.errors import DatasetError
+from pipelines.registry import register as register_pipeline
 
 GROUP = "rvbench.chains"
 OURS = {
@@ -22,7 +23,21 @@ _REGISTERED: dict[str, Chain] = {}
 
 
 def register(chain: Chain) -> Chain:
-    """Make a chain known in this process, and return it."""
+    """Make a chain known in this process, with the pipelines that it brings, and return it.
+
+    Raises
+    ------
+    DatasetError
+        If its name is one of ours.
+    ScenarioError
+        If a pipeline that it brings has one.
+    """
+    if chain.name in OURS:
+        raise DatasetError(
+            f"expected a chain of a name of its own, got {chain.name!r}, which is ours; rename it"
+        )
+    for name, place in chain.brought.items():
+        register_pipeline(name, place)
     _REGISTERED[chain.name] = chain
     return chain
 
@@ -60,10 +75,13 @@ def chain_named(name: str) -> Chain:
 def _loaded(name: str, point: EntryPoint) -> Chain:
     try:
         chain = point.load()
-    except Exception as error:  # anybody's code, which may fail in any way
+    except (Exception, SystemExit) as error:  # anybody's code, which may fail in any way
         raise DatasetError(
             f"chain {name}: expected its package to load, got {type(error).__name__}: {error}"
         ) from error
-    if not isinstance(chain, Chain):
-        raise DatasetError(f"chain {name}: expected a bench.chains.chain.Chain, got {chain!r:.120}")
+    if not isinstance(chain, Chain) or chain.name != name:
+        got = chain.name if isinstance(chain, Chain) else type(chain).__name__
+        raise DatasetError(
+            f"chain {name}: expected a bench.chains.chain.Chain of that name, got {got!r}"
+        )
     return chain

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -24,12 +24,21 @@ if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
 
 
 class FrameTruth(Protocol):
-    """What really was at the instant to which a frame's estimate is stamped."""
+    """What really was at the instant to which a frame's estimate is stamped; more is welcome."""
 
     @property
     def time_s(self) -> float:
         """That instant, s."""
         ...
+
+    @property
+    def cam_from_target(self) -> RigidTransform | None:
+        """The true pose; None where the truth tells none."""
+        ...
+
+
+class PosedFrameTruth(FrameTruth, Protocol):
+    """The truth of a frame of which a pose is known."""
 
     @property
     def cam_from_target(self) -> RigidTransform:
@@ -65,7 +74,7 @@ class Chain:
     title : str
         What its frames are, in words: ``image pairs``.
     pipelines : tuple of str
-        Those of the house that run on it; see ``pipelines.registry``. Other packages' run beside
+        Those that come first in its tables; see ``pipelines.registry``. Other packages' run beside
         them on the streams that they name.
     truths : callable
         ``truths(dataset)``: the truth of each frame by its number, for pictures; empty where the
@@ -74,9 +83,6 @@ class Chain:
         ``truth(dataset)``: all of the truth half that judging needs, whatever its type.
     judge : callable
         ``judge(run, truth)``: one ``Judgement`` a frame, of the chain's own kind.
-    judge_alone : callable
-        ``judge_alone(estimate, record, scene)``: a ``Judgement`` of one frame by its sealed record,
-        where there is no dataset, as in a sweep; see ``bench.scoring.judgement.TrueScene``.
     parts : tuple of ScorePart
         What it adds to the common core of a score.
     frame_rows : callable
@@ -86,16 +92,24 @@ class Chain:
     headline : callable
         ``headline(score)``: the table that compares the pipelines.
     picture : callable
-        ``picture(record, width_px)``: a frame with its marks, RGB.
+        ``picture(record, width_px)``: a frame with its marks, RGB; None where it has no picture.
     show : callable
-        ``show(record)``: a frame laid open, RGB.
+        ``show(record)``: a frame laid open, RGB; None where there is nothing to show.
     verdict : callable
         ``verdict(record)``: one line of how wrong an estimate is.
     legend : str
         What the marks of ``picture`` mean.
+    greys : str
+        How its grey levels come about; empty where the legend says it all.
+    judge_alone : callable, optional
+        ``judge_alone(estimate, record, scene)``: a ``Judgement`` of one frame by its sealed record,
+        where there is no dataset, as in a sweep; see ``bench.scoring.judgement.TrueScene``. Without
+        it the chain's cases cannot be swept.
     trials : callable, optional
         ``trials(dataset, workers)``: more that is tried with the chain's pipelines beside the run
         itself; returns the files written.
+    brought : mapping of str to str
+        Pipelines that come with it, by name: where each stands, ``module:attribute``.
     """
 
     name: str
@@ -104,16 +118,18 @@ class Chain:
     truths: Callable[[Dataset], Mapping[int, Any]]
     truth: Callable[[Dataset], Any]
     judge: Callable[[Run, Any], Sequence[Judgement]]
-    judge_alone: Callable[[Estimate, Any, TrueScene], Judgement]
     parts: tuple[ScorePart, ...]
     frame_rows: Callable[[Sequence[Sequence[Any]], Any], list[dict[str, Any]]]
     report: Callable[[ReportInput], ReportParts]
     headline: Callable[[dict[str, Any]], Table]
-    picture: Callable[[FrameRecord, int], NDArray[uint8]]
-    show: Callable[[FrameRecord], NDArray[uint8]]
+    picture: Callable[[FrameRecord, int], NDArray[uint8] | None]
+    show: Callable[[FrameRecord], NDArray[uint8] | None]
     verdict: Callable[[FrameRecord], str]
     legend: str
+    greys: str = ""
+    judge_alone: Callable[[Estimate, Any, TrueScene], Judgement] | None = None
     trials: Callable[[Dataset, int], list[Path]] | None = None
+    brought: Mapping[str, str] = field(default_factory=dict)
 
 
 def lazily(place: str) -> Callable[..., Any]:

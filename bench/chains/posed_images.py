@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bench.chains.chain import Chain, ScorePart, lazily
+from bench.pictures.stretch import STRETCH
 
 CHAIN = Chain(
     name="posed_images",
@@ -20,4 +21,5 @@ CHAIN = Chain(
     show=lazily("bench.pictures.image_show:draw"),
     verdict=lazily("bench.pictures.wireframe_overlay:verdict"),
     legend="the image as taken; green: the wireframe at the estimated pose; cyan: at the true one",
+    greys=STRETCH,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bench.chains.chain import Chain, ScorePart, lazily
+from bench.pictures.stretch import STRETCH
 
 CHAIN = Chain(
     name="retroreflector_pairs",
@@ -32,4 +33,5 @@ CHAIN = Chain(
         "red circle: detected (small and dim: matched to no marker); green diamond: reprojected; "
         "cyan ticks: truth"
     ),
+    greys=STRETCH,
 )

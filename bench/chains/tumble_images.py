@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bench.chains.chain import Chain, ScorePart, lazily
+from bench.pictures.stretch import STRETCH
 
 CHAIN = Chain(
     name="tumble_images",
@@ -29,5 +30,6 @@ CHAIN = Chain(
         "green: the wireframe at the estimated pose; cyan: at the true one, where they differ; "
         "red circle: detected corner (dim: matched to no landmark)"
     ),
-    trials=lazily("bench.estimating.starts:try_starts"),
+    greys=STRETCH,
+    trials=lazily("bench.estimating.tumble.starts:try_starts"),
 )

@@ -8,7 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from models.dataset.estimates_file import estimate_from_json, estimate_to_json
+from models.dataset.estimates_file import (
+    MOST_DETECTIONS,
+    estimate_from_json,
+    estimate_to_json,
+)
 from models.errors import DatasetError
 from models.estimate import Estimate, NamedState, PoseEstimate
 from models.pose import RigidTransform
@@ -39,6 +43,8 @@ def answer_to_bytes(said: Any, runtime_ms: float) -> bytes:
     """Return the message of what a pipeline returned, whatever that is."""
     if not isinstance(said, Estimate):
         return reason_to_bytes(no_estimate(said), runtime_ms)
+    if much := too_much(said):
+        return reason_to_bytes(much, runtime_ms)
     try:
         record = json.dumps(estimate_to_json(said))
     except (Exception, SystemExit) as error:
@@ -82,6 +88,20 @@ def no_estimate(said: Any) -> str:
     if said is None:
         return "the pipeline said nothing"
     return f"the pipeline said a {type(said).__name__}, which is no Estimate"
+
+
+def too_much(said: Estimate) -> str:
+    """Return why an estimate is not even looked through; empty if it is."""
+    try:
+        points = 0 if said.detections is None else len(said.detections.points_px)
+    except (TypeError, AttributeError):
+        return ""  # no list at all, which others will say
+    if points > MOST_DETECTIONS:
+        return (
+            f"the pipeline said what cannot be: expected at most {MOST_DETECTIONS} detections, "
+            f"got {points}"
+        )
+    return ""
 
 
 def told(error: BaseException, place: str = "") -> str:

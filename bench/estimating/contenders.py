@@ -67,7 +67,7 @@ class _Known:
 
 
 def contenders(
-    streams: Iterable[str], own: Sequence[str], asked: Sequence[str] = ()
+    streams: Iterable[str], own: Sequence[str], asked: Sequence[str] = (), *, foreign: bool = True
 ) -> tuple[list[Contender], list[str]]:
     """Return who takes part, and what is wrong with installed pipelines that cannot.
 
@@ -79,6 +79,8 @@ def contenders(
         The chain's pipelines, which come first.
     asked : sequence of str
         Labels or names of pipelines; if any are given, these alone.
+    foreign : bool
+        Whether other packages' take part beside the chain's.
 
     Raises
     ------
@@ -89,8 +91,9 @@ def contenders(
     found: dict[str, Contender] = {}
     lacking: dict[str, _Known] = {}
     faults: dict[str, str] = {}
-    remarks = unusable_entry_points()
-    for name in dict.fromkeys([*own, *(each for each in pipeline_names() if not is_ours(each))]):
+    remarks = unusable_entry_points() if foreign else []
+    theirs = [each for each in pipeline_names() if foreign and not is_ours(each)]
+    for name in dict.fromkeys([*own, *theirs]):
         if asked and not is_ours(name) and all(_named(each, found) for each in asked):
             break  # nobody else's code runs where none was asked for
         try:

@@ -17,7 +17,15 @@ from models.plain_console import plain_console
 def taking_part(
     dataset: Dataset, asked: Sequence[str] = (), *, tell: bool = True
 ) -> list[Contender]:
-    """Return who estimates a dataset; with ``tell``, also say who cannot.
+    """Return who estimates a dataset.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    asked : sequence of str
+        Labels or names of pipelines; if any are given, these alone.
+    tell : bool
+        Whether to say on stderr who cannot.
 
     Raises
     ------

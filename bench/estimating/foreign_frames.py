@@ -1,9 +1,9 @@
-"""Anybody's image pairs, made into what the pipeline takes.
+"""Anybody's frames, made into what a pipeline takes: image pairs, or single images.
 
-A folder of ``NAME_800.png`` and ``NAME_850.png``, 8 or 16 bits, grey; TIFFs and JPEGs will do.
-Pairs are taken in the order of their names. Times come from ``frames.csv`` (index, time_s,
-exposure_ms) in the folder where there is one, else from the rate given; the first pose comes from a
-``prior.toml``.
+A folder of ``NAME_800.png`` and ``NAME_850.png`` holds pairs; of any other names, single images; 8
+or 16 bits, grey; TIFFs and JPEGs will do. They are taken in the order of their names. Times come
+from ``frames.csv`` (index, time_s, exposure_ms) in the folder where there is one, else from the
+rate given; what another sensor measured comes from a table in or beside the folder.
 """
 
 from __future__ import annotations
@@ -16,72 +16,59 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.estimating.contenders import contenders
+from bench.estimating.contenders import Contender, contenders
 from bench.estimating.estimates_place import check_estimates_place
 from bench.estimating.estimation import tell_of
-from bench.estimating.foreign_images import (
-    images_by_name,
-    read_foreign_image,
-    read_header,
-)
+from bench.estimating.foreign_images import images_by_stream, read_foreign_image, read_header
+from bench.estimating.foreign_knowledge import GivenFiles, beside, foreign_knowledge
 from bench.estimating.runner import estimate_run
-from models.arrays import Image
 from models.camera import Camera
-from models.dataset.detector_file import read_detector
 from models.dataset.frame_table import FrameEntry, read_frame_entries
-from models.dataset.marker_file import read_markers
-from models.dataset.prior_file import read_prior
+from models.dataset.sensor_table import read_table
 from models.dataset.version1 import PAIR_GAP_S
 from models.errors import DatasetError, ScenarioError
-from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading, Reading
-from models.markers import MarkerPattern
-from models.onboard import OnboardKnowledge
-from models.sensors.camera_chip import Detector
+from models.frame import CHASER_ORBIT, IMAGE_800, Frame, ImageReading, Reading, TableReading
+from models.motion.relative_state import CHASER_ORBIT_COLUMNS
+from pipelines.registry import OURS, registered_pipeline
 
 UNKNOWN_EXPOSURE_MS = 1.0  # no pipeline measures with it
-BITS = (8, 10, 12, 14, 16)
+OFFSETS_S = {IMAGE_800: -PAIR_GAP_S}
+NAVIGATION = "navigation.csv"
 
 
 @dataclass(frozen=True)
-class ForeignPair:
-    """One image pair on disk."""
+class ForeignFrame:
+    """The images of one frame on disk, by stream."""
 
     entry: FrameEntry
-    path_800: Path
-    path_850: Path
+    paths: dict[str, Path]
 
 
-def estimate_pairs(
+def estimate_frames(
     folder: Path,
     camera: Camera,
-    target: str,
-    prior: Path | None,
-    detector: Path | None,
+    given: GivenFiles,
     rate_hz: float,
     out: Path,
     pipelines: Sequence[str] = (),
     limit_s: float | None = None,
 ) -> list[Path]:
-    """Estimate every image pair of a folder with every variant.
+    """Estimate every frame of a folder with every variant of every pipeline that they suit.
 
     Parameters
     ----------
     folder : Path
-        Of image pairs.
+        Of images.
     camera : Camera
         As calibrated.
-    target : str
-        Whose markers they show: a target's name, or a ``markers.toml``.
-    prior : Path or None
-        The first pose; else ``prior.toml`` in or beside the folder.
-    detector : Path or None
-        Else guessed from the first image; see ``guessed_detector``.
+    given : GivenFiles
+        What is known besides.
     rate_hz : float, Hz
         Where the folder has no ``frames.csv``.
     out : Path
         The estimates go to ``out/estimates``.
     pipelines : sequence of str
-        Labels or names of pipelines; all that take pairs unless given.
+        Labels or names of pipelines; all that suit unless given.
     limit_s : float, optional, s
         Most that a frame may take.
 
@@ -93,59 +80,116 @@ def estimate_pairs(
     Raises
     ------
     DatasetError, ScenarioError
-        If the pairs, the prior or the target cannot be used.
+        If the images or what is known cannot be used, or nobody can work with them.
     """
     if not 0.0 < rate_hz < np.inf:
         raise ScenarioError(f"expected a rate in Hz above zero, got {rate_hz}")
-    pairs = find_pairs(folder, rate_hz)
+    found = find_frames(folder, rate_hz)
     check_estimates_place(out, folder)
-    has_jpegs = check_headers(pairs, camera)
-    knowledge = foreign_knowledge(folder, pairs, camera, target, prior, detector)
+    has_jpegs = check_headers(found, camera)
+    tables = tables_beside(folder, [each.entry for each in found], given.navigation)
+    chosen = _taking_part([*found[0].paths, *tables], pipelines)
+    knowledge = foreign_knowledge(folder, list(found[0].paths.values())[-1], camera, given)
     if has_jpegs:
         print(
             "rvbench: warning: there are JPEGs among these images, whose compression moves the "
             "centroids of markers; their sigmas know nothing of it. Write PNG or TIFF if you can",
             file=sys.stderr,
         )
-    chosen, remarks = contenders((IMAGE_800, IMAGE_850), ("chaser_fixed",), pipelines)
+    frames = read_frames(found, camera, tables)
+    return estimate_run(out, 0, frames, knowledge, chosen, len(found), limit_s)
+
+
+def _taking_part(streams: list[str], asked: Sequence[str]) -> list[Contender]:
+    chosen, remarks = contenders(streams, tuple(OURS), asked)
     tell_of(remarks)
-    return estimate_run(out, 0, read_pairs(pairs, camera), knowledge, chosen, len(pairs), limit_s)
+    if not chosen:
+        lacking = {
+            name: sorted(set(registered_pipeline(name).streams) - set(streams)) for name in OURS
+        }
+        told = "; ".join(f"{name} lacks {', '.join(lacks)}" for name, lacks in lacking.items())
+        raise ScenarioError(
+            f"expected frames that some pipeline takes, got {', '.join(streams)}: {told}. Images "
+            f"of a pair are called NAME_800 and NAME_850; {CHASER_ORBIT} is the chaser's orbit as "
+            f"its navigation has it: write index, time_s, {', '.join(CHASER_ORBIT_COLUMNS)} into "
+            f"{NAVIGATION} in or beside the folder"
+        )
+    return chosen
 
 
-def find_pairs(folder: Path, rate_hz: float) -> list[ForeignPair]:
-    """List the image pairs of a folder, in order of name.
+def find_frames(folder: Path, rate_hz: float) -> list[ForeignFrame]:
+    """List the frames of a folder, in order of name.
 
     Raises
     ------
     DatasetError
         If there are none, one of a pair is missing, or ``frames.csv`` has another number of rows.
     """
-    found = images_by_name(folder)
-    for band, other in ((800, 850), (850, 800)):
-        alone = sorted(set(found[other]) - set(found[band]))
-        if alone:
-            beside = found[other][alone[0]]
+    found = images_by_stream(folder)
+    everywhere = {name for own in found.values() for name in own}
+    for stream, own in found.items():
+        if alone := sorted(everywhere - set(own)):
+            _, name = next((s, each[alone[0]]) for s, each in found.items() if alone[0] in each)
+            band = stream.rpartition("_")[2]
             raise DatasetError(
-                f"{folder}: expected {alone[0]}_{band}{beside.suffix} beside {beside.name}, found "
-                f"none (images alone at {other} nm: {len(alone)}); add it, or take the other away"
+                f"{folder}: expected {alone[0]}_{band}{name.suffix} beside {name.name}, found "
+                f"none (images without one at {band} nm: {len(alone)}); add it, or take the other "
+                "away"
             )
-    names = sorted(found[850], key=_natural)
+    names = sorted(everywhere, key=_natural)
     entries = [FrameEntry(k, k / rate_hz, UNKNOWN_EXPOSURE_MS) for k in range(len(names))]
     if (folder / "frames.csv").is_file():
         entries = read_frame_entries(folder)
         if len(entries) != len(names):
             raise DatasetError(
-                f"{folder}/frames.csv: expected one row for each of {len(names)} image pairs, "
+                f"{folder}/frames.csv: expected one row for each of {len(names)} frames, "
                 f"got {len(entries)}"
             )
     return [
-        ForeignPair(entry, found[800][name], found[850][name])
+        ForeignFrame(entry, {stream: own[name] for stream, own in found.items()})
         for entry, name in zip(entries, names, strict=True)
     ]
 
 
-def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
-    """Read image pairs one at a time.
+def tables_beside(
+    folder: Path, entries: list[FrameEntry], navigation: Path | None = None
+) -> dict[str, dict[int, TableReading]]:
+    """Read what other sensors measured, by stream and frame, from tables in or beside a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Of images.
+    entries : list of FrameEntry
+        Of the frames.
+    navigation : Path, optional
+        The chaser's orbit; looked for unless given.
+
+    Raises
+    ------
+    DatasetError
+        If a table that is there cannot be read; see ``models.dataset.sensor_table``.
+    """
+    path = beside(folder, NAVIGATION, navigation)
+    if path is None:
+        return {}
+    return {CHASER_ORBIT: read_table(path, CHASER_ORBIT_COLUMNS, entries)}
+
+
+def read_frames(
+    found: list[ForeignFrame],
+    camera: Camera,
+    tables: dict[str, dict[int, TableReading]] | None = None,
+) -> Iterator[Frame]:
+    """Read frames one at a time.
+
+    Parameters
+    ----------
+    found : list of ForeignFrame
+    camera : Camera
+        As calibrated.
+    tables : dict of dict, optional
+        As ``tables_beside`` reads them.
 
     Raises
     ------
@@ -154,26 +198,23 @@ def read_pairs(pairs: list[ForeignPair], camera: Camera) -> Iterator[Frame]:
         first.
     """
     first_bits = None
-    for pair in pairs:
-        images = []
-        for path in (pair.path_800, pair.path_850):
+    for frame in found:
+        entry, readings = frame.entry, dict[str, Reading]()
+        for stream, path in frame.paths.items():
             image = read_foreign_image(path)
             first_bits = first_bits or image.bits
             _check_size(path, image.pixels.shape[1], image.pixels.shape[0], camera)
             _check_bits(path, image.bits, first_bits)
-            images.append(image.pixels)
-        entry = pair.entry
-        readings: dict[str, Reading] = {
-            IMAGE_800: ImageReading(images[0], entry.time_s - PAIR_GAP_S, entry.exposure_ms),
-            IMAGE_850: ImageReading(images[1], entry.time_s, entry.exposure_ms),
-        }
+            time_s = entry.time_s + OFFSETS_S.get(stream, 0.0)
+            readings[stream] = ImageReading(image.pixels, time_s, entry.exposure_ms)
+        readings.update({stream: own[entry.index] for stream, own in (tables or {}).items()})
         yield Frame(entry.index, entry.time_s, readings)
 
 
-def check_headers(pairs: list[ForeignPair], camera: Camera) -> bool:
+def check_headers(found: list[ForeignFrame], camera: Camera) -> bool:
     """Refuse images of another size than the camera's, or of two depths, before the first is read.
 
-    PNGs alone tell both in their first bytes; ``read_pairs`` looks at all.
+    PNGs alone tell both in their first bytes; ``read_frames`` looks at all.
 
     Returns
     -------
@@ -186,7 +227,7 @@ def check_headers(pairs: list[ForeignPair], camera: Camera) -> bool:
         The message names the file.
     """
     first_bits, has_jpegs = None, False
-    for path in (path for pair in pairs for path in (pair.path_800, pair.path_850)):
+    for path in (path for frame in found for path in frame.paths.values()):
         header = read_header(path)
         has_jpegs |= header.is_jpeg
         if header.bits is not None:
@@ -210,90 +251,6 @@ def _check_bits(path: Path, bits: int, first: int) -> None:
             f"{path}: expected {first} bits, as the first image of the folder has, got {bits}; "
             "one detector took them all: write them all alike"
         )
-
-
-def read_grey(path: Path) -> Image:
-    """Read the pixels of a grey image, uint16; see ``foreign_images.read_foreign_image``."""
-    return read_foreign_image(path).pixels
-
-
-def marker_pattern(target: str) -> MarkerPattern:
-    """Return a target's markers, by its name or from a ``markers.toml``.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no such target or it has no markers.
-    """
-    if target.endswith(".toml"):
-        return read_markers(Path(target))
-    from models.spacecraft.catalogue import spacecraft_by_name  # builds meshes: only when asked
-
-    markers = spacecraft_by_name(target).markers
-    if markers is None:
-        raise ScenarioError(
-            f"expected a target with markers, got {target!r}, which has none; "
-            "give its markers as a .toml file"
-        )
-    return markers
-
-
-def guessed_detector(image: Image) -> Detector:
-    """Guess a detector from one of its images: bits from the largest number, no bias.
-
-    Gain and noise follow from a full well of 100 000 e over those bits; they weigh centroids
-    against each other and decide what is saturated, so a rough guess serves.
-    """
-    largest = max(int(image.max()), 1)
-    bits = next(bits for bits in BITS if largest < 2**bits)
-    default = Detector()
-    return Detector(gain_e_dn=default.full_well_e / 2**bits, bias_dn=0.0, bits=bits)
-
-
-def foreign_knowledge(
-    folder: Path,
-    pairs: list[ForeignPair],
-    camera: Camera,
-    target: str,
-    prior: Path | None,
-    detector: Path | None,
-) -> OnboardKnowledge:
-    """Gather what must be known before the first frame.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no prior: the pipeline tracks, it does not acquire.
-    """
-    beside = [place / "prior.toml" for place in (folder, folder.parent)]
-    path = prior or next((place for place in beside if place.is_file()), None)
-    if path is None:
-        raise ScenarioError(
-            f"expected a first pose: none was given with --prior, and there is no {beside[0]}; "
-            "this pipeline tracks from a prior. Write a TOML file with t_cam_from_target_m, "
-            "euler_321_deg, sigma_t_m and sigma_euler_deg, three numbers each"
-        )
-    return OnboardKnowledge(
-        camera=camera,
-        detector=_detector(pairs[0].path_850, detector),
-        markers=marker_pattern(target),
-        prior=read_prior(path),
-    )
-
-
-def _detector(image: Path, given: Path | None) -> Detector:
-    """Read the detector given, and hold it against an image; guess it where none is given."""
-    found = read_foreign_image(image)
-    if given is None:
-        return guessed_detector(found.pixels)
-    detector, largest = read_detector(given), int(found.pixels.max())
-    if found.bits < detector.bits or largest > detector.max_dn:
-        raise DatasetError(
-            f"{given}: expected the detector of these images, got one of {detector.bits} bits; "
-            f"{image} has {found.bits} bits and values up to {largest}; "
-            "leave --detector out to have it guessed"
-        )
-    return detector
 
 
 def _natural(name: str) -> tuple[tuple[int, str], ...]:

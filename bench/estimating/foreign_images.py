@@ -13,9 +13,14 @@ import numpy as np
 
 from models.arrays import Image
 from models.errors import DatasetError, cause
+from models.frame import IMAGE, IMAGE_800, IMAGE_850
 
 SUFFIXES = ".png, .tif, .tiff, .jpg and .jpeg"
-NAME = re.compile(r"(?P<name>.*)_(?P<band>800|850)\.(png|tiff?|jpe?g)", re.IGNORECASE | re.DOTALL)
+FLAGS = re.IGNORECASE | re.DOTALL
+PAIR = re.compile(r"(?P<name>.*)_(?P<band>800|850)\.(png|tiff?|jpe?g)", FLAGS)
+SINGLE = re.compile(r"(?P<name>.*)(?P<band>)\.(png|tiff?|jpe?g)", FLAGS)
+PAIR_STREAMS = {"800": IMAGE_800, "850": IMAGE_850}
+SINGLE_STREAMS = {"": IMAGE}
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 TIFF = (b"II*\0", b"MM\0*")
 ENDS = {PNG: b"IEND\xaeB`\x82", JPEG: b"\xff\xd9"}
@@ -57,33 +62,37 @@ class Header:
     bits: int | None = None
 
 
-def images_by_name(folder: Path) -> dict[int, dict[str, Path]]:
-    """Return the images of a folder by band, 800 and 850, and by what comes before it in the name.
+def images_by_stream(folder: Path) -> dict[str, dict[str, Path]]:
+    """Return the images of a folder by stream, and by name without what tells the stream.
+
+    Where any is called NAME_800 or NAME_850 they are pairs, and others are left alone; else every
+    image is a frame of its own.
 
     Raises
     ------
     DatasetError
         If there are none, or two for one place; the message tells what is there.
     """
-    found: dict[int, dict[str, Path]] = {800: {}, 850: {}}
     files = sorted(folder.iterdir()) if folder.is_dir() else []
-    for path in files:
-        named = NAME.fullmatch(path.name)
-        if named is None:
-            continue
-        own, name = found[int(named["band"])], named["name"]
-        if name in own:
-            raise DatasetError(
-                f"{folder}: expected one image {name}_{named['band']}, found {own[name].name} and "
-                f"{path.name}; take one away"
-            )
-        own[name] = path
-    if not found[800] and not found[850]:
-        raise DatasetError(
-            f"expected image pairs NAME_800.png and NAME_850.png in {folder}, "
-            f"{_seen(folder, files)}"
-        )
-    return found
+    for streams, pattern in ((PAIR_STREAMS, PAIR), (SINGLE_STREAMS, SINGLE)):
+        found: dict[str, dict[str, Path]] = {stream: {} for stream in streams.values()}
+        for path in files:
+            named = pattern.fullmatch(path.name)
+            if named is None or not path.exists():
+                continue
+            own, name = found[streams[named["band"]]], named["name"]
+            if name in own:
+                raise DatasetError(
+                    f"{folder}: expected one image {path.stem}, found {own[name].name} and "
+                    f"{path.name}; take one away"
+                )
+            own[name] = path
+        if any(found.values()):
+            return found
+    raise DatasetError(
+        f"expected images in {folder}: pairs NAME_800.png and NAME_850.png, or single ones of any "
+        f"name, {_seen(folder, files)}"
+    )
 
 
 def read_foreign_image(path: Path) -> ForeignImage:

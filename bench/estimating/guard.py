@@ -14,7 +14,7 @@ from time import perf_counter
 from types import TracebackType
 from typing import Protocol
 
-from bench.estimating.answer import no_estimate, told
+from bench.estimating.answer import no_estimate, told, too_much
 from bench.estimating.contenders import Contender
 from bench.estimating.pipeline_process import Hung, PipelineProcess
 from models.dataset.estimates_file import impossible
@@ -216,6 +216,8 @@ def checked(said: object, frame: Frame, known: int | None = None) -> Estimate:
     """
     if not isinstance(said, Estimate):
         return lost(frame, no_estimate(said))
+    if much := too_much(said):
+        return lost(frame, much)
     wrong = impossible(said)
     if wrong is not None:
         return lost(frame, f"the pipeline said what cannot be: {wrong}")

@@ -11,6 +11,7 @@ from pathlib import Path
 from bench.estimating.contenders import Contender
 from bench.estimating.guard import Guards
 from bench.estimating.runs import estimates_path, run_folder, runtimes_path
+from bench.estimating.time_limit import checked_limit
 from bench.progress import frame_progress
 from models.atomic_file import sweep_scratch
 from models.dataset.estimates_file import write_estimates, write_runtimes
@@ -54,10 +55,12 @@ def estimate_run(
     ------
     DatasetError
         If a frame is missing or damaged, or somebody of the house lacks something on board.
+    ScenarioError
+        If the limit is not above zero.
     """
     title = "estimate" if number == 0 else f"estimate, run {number}"
     with (
-        Guards(taking_part, onboard, limit_s) as guarded,
+        Guards(taking_part, onboard, checked_limit(limit_s)) as guarded,
         frame_progress(title, count) as advance,
     ):
         said: dict[str, list[Estimate]] = {label: [] for label in guarded}

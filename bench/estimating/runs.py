@@ -21,6 +21,7 @@ from models.errors import DatasetError, UnreadableError
 from models.estimate import Estimate
 from models.reading.json_file import read_json_table
 
+PREFERRED = "best"
 SAME_INSTANT_S = 1e-6
 
 
@@ -51,12 +52,27 @@ def run_folder(folder: Path, number: int) -> Path:
 
 
 def estimates_path(folder: Path, number: int, variant: str) -> Path:
-    """Return the estimates file of one variant in one run."""
+    """Return the estimates file of one variant in one run.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset.
+    number : int
+        Of the run.
+    variant : str
+        Label of the pipeline.
+    """
     return run_folder(folder, number) / "estimates" / f"{variant}.jsonl"
 
 
 def runtimes_path(folder: Path, number: int, variant: str) -> Path:
-    """Return the runtimes file of one variant in one run."""
+    """Return the runtimes file of one variant in one run.
+
+    Parameters
+    ----------
+    folder, number, variant : as for ``estimates_path``
+    """
     return run_folder(folder, number) / "estimates" / f"{variant}.runtime.csv"
 
 
@@ -95,8 +111,14 @@ def found_variants(folder: Path) -> tuple[str, ...]:
     return variants
 
 
-def spoken_variant(folder: Path, variant: str) -> str | None:
+def spoken_variant(folder: Path, variant: str | None = None) -> str | None:
     """Return a variant if it has estimates of run 0, None if none has.
+
+    Parameters
+    ----------
+    folder : Path
+    variant : str, optional
+        Unless given, ``best`` where it has spoken, else the first that has.
 
     Raises
     ------
@@ -104,6 +126,8 @@ def spoken_variant(folder: Path, variant: str) -> str | None:
         If others have, but not this one.
     """
     spoken = spoken_variants(folder)
+    if variant is None:
+        return PREFERRED if PREFERRED in spoken else next(iter(spoken), None)
     if spoken and variant not in spoken:
         raise DatasetError(
             f"{folder}: expected a variant with estimates, {' or '.join(spoken)}, got {variant!r}"
@@ -161,4 +185,8 @@ def read_run(dataset: Dataset, number: int, label: str) -> Run:
                 f"{path}: expected an estimate of frame {entry.index} at {entry.time_s} s, as "
                 f"frames.csv has it, got one at {said_s} s; the frames have changed since: {mend}"
             )
-    return Run(number, label, estimates, read_runtimes(runtimes_path(folder, number, label)))
+    try:
+        spent = read_runtimes(runtimes_path(folder, number, label))
+    except DatasetError as error:
+        raise DatasetError(f"{error}; delete it: no score but the runtime needs it") from error
+    return Run(number, label, estimates, spent)

@@ -71,6 +71,39 @@ class Pipeline:
 # Several sets of settings: variants=("fast", "fine"), handed on as `variant`.
 PIPELINE = RegisteredPipeline(NAME, Pipeline, streams=(IMAGE_800, IMAGE_850))
 '''
+TEST = '''\
+"""The pipeline on frames made by hand: `pytest`, where rvbench is installed."""
+
+import numpy as np
+from {module} import PIPELINE
+
+from models.camera import camera_preset
+from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
+from models.onboard import OnboardKnowledge, PosePrior
+from models.pose import RigidTransform
+from models.sensors.camera_chip import Detector
+from models.spacecraft.retroreflector_layout import RETROREFLECTORS
+
+AHEAD = RigidTransform(np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 6.7]))
+CAMERA = camera_preset("chaser_fixed").resized(256)
+
+
+def made():
+    prior = PosePrior(AHEAD, sigma_m=np.full(3, 0.02), sigma_deg=np.ones(3))
+    onboard = OnboardKnowledge(CAMERA, Detector(), markers=RETROREFLECTORS, prior=prior)
+    return PIPELINE.make(onboard, PIPELINE.variants[0])
+
+
+def test_a_dark_frame_has_no_pose_and_a_reason():
+    dark = np.zeros((CAMERA.height, CAMERA.width), dtype=np.uint16)
+    pair = {{name: ImageReading(dark, 0.0, 1.0) for name in (IMAGE_800, IMAGE_850)}}
+    said = made().process(Frame(0, 0.0, pair))
+    assert said.pose is None
+    assert said.reason
+
+
+# Then a frame with markers drawn into it, and a pose that you know: is it found?
+'''
 
 
 def pipeline_files(name: str) -> dict[str, str]:
@@ -103,4 +136,8 @@ def pipeline_files(name: str) -> dict[str, str]:
             f"{name}-pipeline"
         )
     words = {"name": name, "module": module, "group": GROUP}
-    return {"pyproject.toml": PROJECT.format(**words), f"{module}.py": MODULE.format(**words)}
+    return {
+        "pyproject.toml": PROJECT.format(**words),
+        f"{module}.py": MODULE.format(**words),
+        f"test_{module}.py": TEST.format(**words),
+    }

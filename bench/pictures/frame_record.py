@@ -7,18 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bench.chains.catalogue import chain_named
 from bench.chains.chain import Chain
 from bench.estimating.runs import read_run, spoken_variant
 from models.arrays import Image
+from models.camera import Camera
 from models.dataset.dataset import Dataset, open_dataset
 from models.estimate import Estimate
 from models.frame import Frame
 from models.motion.relative_state import relative_state
-from models.onboard import OnboardKnowledge
+from models.onboard import OnboardKnowledge, needed
 from models.pose import RigidTransform
-
-PREFERRED = "best"
+from models.sensors.camera_chip import Detector
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +55,29 @@ class FrameRecord:
     @property
     def best_known_pose(self) -> RigidTransform | None:
         """``cam_from_target`` as it truly was, or else as estimated, or None."""
-        if self.truth is not None:
-            pose: RigidTransform = self.truth.cam_from_target
-            return pose
-        return self.estimated_pose
+        cam_from_target = self.true_pose
+        return self.estimated_pose if cam_from_target is None else cam_from_target
+
+    @property
+    def true_pose(self) -> RigidTransform | None:
+        """``cam_from_target`` as it truly was; None where the truth tells none."""
+        return getattr(self.truth, "cam_from_target", None)
+
+    @property
+    def true_range_m(self) -> float | None:
+        """From the camera to the target frame's origin, m; None where the truth tells no pose."""
+        pose = self.true_pose
+        return None if pose is None else float(np.linalg.norm(pose.translation))
+
+    @property
+    def camera(self) -> Camera:
+        """The camera as calibrated; an error where none is on board."""
+        return needed(self.onboard.camera, "camera.toml", "the picture of a frame")
+
+    @property
+    def detector(self) -> Detector:
+        """The detector as calibrated; an error where none is on board."""
+        return needed(self.onboard.detector, "detector.toml", "the picture of a frame")
 
     def image(self, stream: str) -> Image:
         """Return the image of a stream, (height, width), DN."""
@@ -84,8 +105,8 @@ class FrameRecords:
     Parameters
     ----------
     folder : Path
-    variant : str
-        Whose estimates.
+    variant : str, optional
+        Whose estimates; those of ``best`` unless given, or of the first that has spoken.
 
     Raises
     ------
@@ -94,14 +115,14 @@ class FrameRecords:
         spoken but not this one.
     """
 
-    def __init__(self, folder: Path, variant: str = PREFERRED) -> None:
+    def __init__(self, folder: Path, variant: str | None = None) -> None:
         self.folder = folder
         self.dataset: Dataset = open_dataset(folder)
         self.chain: Chain = chain_named(self.dataset.info.chain)
         self.onboard = self.dataset.onboard
         self.variant = spoken_variant(folder, variant)
         self._estimates: Mapping[int, Estimate] = (
-            read_run(self.dataset, 0, variant).estimates if self.variant else {}
+            read_run(self.dataset, 0, self.variant).estimates if self.variant else {}
         )
         self._truth = self.chain.truths(self.dataset)
 

@@ -48,7 +48,7 @@ def overlay(
     (height, width_px, 3) uint8 array
         RGB.
     """
-    detector = record.onboard.detector
+    detector = record.detector
     if signal_dn is None:
         signal_dn = record.image(IMAGE_850).astype(np.float64) - detector.bias_dn
     scale = width_px / signal_dn.shape[1]
@@ -71,7 +71,7 @@ def reprojections_px(record: FrameRecord) -> Floats | None:
     if record.estimate is None or record.estimate.pose is None:
         return None
     pose = record.estimate.pose.cam_from_target
-    return record.onboard.camera.project(pose @ markers_of(record).points_in_target)
+    return record.camera.project(pose @ markers_of(record).points_in_target)
 
 
 def verdict(record: FrameRecord) -> str:
@@ -105,7 +105,7 @@ def _draw_marks(picture: NDArray[np.uint8], record: FrameRecord, scale: float) -
     reprojections = reprojections_px(record)
     if reprojections is not None:
         names = markers_of(record).names
-        inside = record.onboard.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
+        inside = record.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
         for name, pixel in zip(np.array(names)[inside], reprojections[inside], strict=True):
             _diamond(picture, at(pixel), 1.55 * reach, REPROJECTION_GREEN)
             _label(picture, str(name), at(pixel) + np.array([1.6, -1.3]) * reach)

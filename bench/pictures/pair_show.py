@@ -63,7 +63,7 @@ def _rgb(colour: tuple[int, int, int]) -> Colour:
 
 
 def _signals(record: FrameRecord) -> dict[str, Floats]:
-    bias_dn = record.onboard.detector.bias_dn
+    bias_dn = record.detector.bias_dn
     image_800 = record.image(IMAGE_800).astype(np.float64)
     image_850 = record.image(IMAGE_850).astype(np.float64)
     return {
@@ -77,7 +77,7 @@ def _shown_markers(record: FrameRecord) -> list[int]:
     """Return the markers worth a window: those in the image, by truth or else by estimate."""
     if record.best_known_pose is None:
         return []
-    camera, points = record.onboard.camera, markers_of(record).points_in_target
+    camera, points = record.camera, markers_of(record).points_in_target
     pixels = camera.project(record.best_known_pose @ points)
     inside = camera.contains(np.nan_to_num(pixels, nan=OUTSIDE_PX))
     return [int(marker) for marker in np.flatnonzero(inside)]
@@ -86,7 +86,7 @@ def _shown_markers(record: FrameRecord) -> list[int]:
 def _draw_images(figure: Figure, grid: object, record: FrameRecord) -> None:
     for column, (title, signal_dn) in enumerate(_signals(record).items()):
         axes = figure.add_subplot(grid[0, column])  # type: ignore[index]
-        plain = stretch(signal_dn, record.onboard.detector)
+        plain = stretch(signal_dn, record.detector)
         marked = column > 0
         picture = overlay(record, PANEL_PX, signal_dn) if marked else plain
         axes.imshow(picture, cmap="gray", vmin=0, vmax=1)
@@ -95,7 +95,7 @@ def _draw_images(figure: Figure, grid: object, record: FrameRecord) -> None:
 
 
 def _draw_window(axes: Axes, record: FrameRecord, marker: int) -> None:
-    detector = record.onboard.detector
+    detector = record.detector
     centre, radius_px = _window_centre(record, marker)
     half = max(SMALLEST_WINDOW_PX, WINDOW_RADII * radius_px)
     signal = _signals(record)["850 nm minus 800 nm"]
@@ -110,7 +110,7 @@ def _draw_window(axes: Axes, record: FrameRecord, marker: int) -> None:
 def _window_centre(record: FrameRecord, marker: int) -> tuple[Floats, float]:
     """Return where a marker is, by the truth where there is one, and its radius, px."""
     pose = record.best_known_pose
-    camera, markers = record.onboard.camera, markers_of(record)
+    camera, markers = record.camera, markers_of(record)
     if pose is None:
         raise ValueError(f"expected a pose to find marker {marker} by, got none")
     point_in_cam = pose @ markers.points_in_target[marker]

@@ -8,12 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.pictures.frame_record import PREFERRED, FrameRecords
+from bench.pictures.frame_record import FrameRecords
 from bench.pictures.our_picture import marked
 from models.atomic_file import write_bytes
+from models.errors import DatasetError
 
 
-def show_frame(folder: Path, index: int, variant: str = PREFERRED) -> NDArray[np.uint8]:
+def show_frame(folder: Path, index: int, variant: str | None = None) -> NDArray[np.uint8]:
     """Draw one frame of a dataset with detections, estimate and truth.
 
     Parameters
@@ -22,8 +23,8 @@ def show_frame(folder: Path, index: int, variant: str = PREFERRED) -> NDArray[np
         A dataset; estimates and truth are drawn where it has them.
     index : int
         The frame's number.
-    variant : str
-        Whose estimates.
+    variant : str, optional
+        Whose estimates; see ``FrameRecords``.
 
     Returns
     -------
@@ -33,13 +34,19 @@ def show_frame(folder: Path, index: int, variant: str = PREFERRED) -> NDArray[np
     Raises
     ------
     DatasetError
-        If there is no such frame or it cannot be read.
+        If there is no such frame, it cannot be read, or there is nothing to show of it.
     """
     records = FrameRecords(folder, variant)
-    return records.chain.show(records.record(index))
+    drawn = records.chain.show(records.record(index))
+    if drawn is None:
+        raise DatasetError(
+            f"{folder}: expected a frame that the chain {records.chain.name} has a picture of, "
+            f"got {index}"
+        )
+    return drawn
 
 
-def write_frame(folder: Path, index: int, out: Path, variant: str = PREFERRED) -> None:
+def write_frame(folder: Path, index: int, out: Path, variant: str | None = None) -> None:
     """Draw one frame into a PNG file; see ``show_frame``.
 
     Parameters
@@ -47,7 +54,7 @@ def write_frame(folder: Path, index: int, out: Path, variant: str = PREFERRED) -
     folder : Path
     index : int
     out : Path
-    variant : str
+    variant : str, optional
 
     Raises
     ------
@@ -66,6 +73,8 @@ def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
     ------
     StorageError
         If the file cannot be written.
+    ValueError
+        If OpenCV refuses the picture.
     """
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:

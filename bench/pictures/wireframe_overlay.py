@@ -59,8 +59,8 @@ def wireframe_overlay(
     (height, width_px, 3) uint8 array
         RGB.
     """
-    camera, target = record.onboard.camera, record.onboard.wireframe
-    canvas = _Canvas.of(record.image(IMAGE), record.onboard.detector, width_px, window)
+    camera, target = record.camera, record.onboard.wireframe
+    canvas = _Canvas.of(record.image(IMAGE), record.detector, width_px, window)
     if truth and record.truth is not None and target is not None:
         canvas.draw_edges(camera, target, record.truth.cam_from_target, TRUTH_CYAN)
     if record.estimate is not None:
@@ -73,7 +73,13 @@ def wireframe_overlay(
 
 
 def close_view(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
-    """Return the part of a frame that holds the target, marked; all of it where nobody knows."""
+    """Return the part of a frame that holds the target, marked; all of it where nobody knows.
+
+    Returns
+    -------
+    (height, width_px, 3) uint8 array
+        RGB.
+    """
     pose = record.best_known_pose
     window = None if pose is None else window_around(record.onboard, pose)
     return wireframe_overlay(record, width_px, window=window)
@@ -111,7 +117,8 @@ def window_around(onboard: OnboardKnowledge, cam_from_target: RigidTransform) ->
     """
     if onboard.wireframe is None:
         return None
-    pixels = onboard.camera.project(cam_from_target @ wireframe_of(onboard).points_in_target)
+    camera = needed(onboard.camera, "camera.toml", "pictures of a wireframe")
+    pixels = camera.project(cam_from_target @ wireframe_of(onboard).points_in_target)
     if not np.isfinite(pixels).all():
         return None
     low, high = pixels.min(axis=0), pixels.max(axis=0)

@@ -25,7 +25,7 @@ class Picture:
     Attributes
     ----------
     source : str
-        A ``data:`` address.
+        A ``data:`` address; empty where the frame has no picture.
     title, verdict : str
     lost : bool
     """
@@ -62,11 +62,13 @@ def picture(records: FrameRecords, index: int, width_px: int = FRAME_WIDTH_PX) -
     """
     record = records.record(index)
     words = [f"frame {record.frame.index}", f"{record.frame.time_s:.1f} s"]
-    if record.truth is not None:
-        words.append(f"{np.linalg.norm(record.truth.cam_from_target.translation):.2f} m")
-    width = _fitting_width(records.onboard.camera.width, width_px)
+    if record.true_range_m is not None:
+        words.append(f"{record.true_range_m:.2f} m")
+    camera = records.onboard.camera
+    width = width_px if camera is None else _fitting_width(camera.width, width_px)
+    drawn = records.chain.picture(record, width)
     return Picture(
-        source=jpeg(records.chain.picture(record, width)),
+        source="" if drawn is None else jpeg(drawn),
         title=" · ".join(words),
         verdict=records.chain.verdict(record),
         lost=not record.estimate,
@@ -81,7 +83,13 @@ def _fitting_width(image_px: int, wanted_px: int) -> int:
 
 
 def jpeg(image: NDArray[np.uint8]) -> str:
-    """Return an RGB image as a ``data:`` address."""
+    """Return an RGB image, (height, width, 3), as a ``data:`` address.
+
+    Raises
+    ------
+    ValueError
+        If OpenCV refuses it.
+    """
     ok, data = cv2.imencode(".jpg", image[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     if not ok:
         raise ValueError(f"expected OpenCV to encode an image of shape {image.shape}, it refused")

@@ -35,7 +35,13 @@ def count(value: int) -> str:
 
 
 def numbers(values: list[float] | None, digits: int = 3, signed: bool = False) -> list[str]:
-    """Write three numbers, or three dashes."""
+    """Write three numbers, or three dashes.
+
+    Parameters
+    ----------
+    values : list of 3 floats, or None
+    digits, signed : as for ``number``
+    """
     if values is None:
         return [NONE] * 3
     return [number(value, digits, signed) for value in values]

@@ -7,13 +7,13 @@ from typing import Any
 
 import jinja2
 
-from bench.pictures.frame_record import PREFERRED, FrameRecords
-from bench.pictures.stretch import STRETCH
+from bench.estimating.runs import PREFERRED
+from bench.pictures.frame_record import FrameRecords
 from bench.report.filmstrip import HERO_WIDTH_PX, filmstrip, picture
 from bench.report.parts import ReportInput, Section, TitledTable
 from bench.report.scenario_tables import scenario_tables
-from bench.report.table import check_table, lost_table, title_of
-from bench.scoring.score import read_score
+from bench.report.table import TITLES, check_table, lost_table, title_of
+from bench.scoring.score import read_score, shown_labels
 from models.atomic_file import write_text
 from models.errors import DatasetError
 
@@ -48,7 +48,7 @@ def write_report(folder: Path) -> Path:
 
 
 def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
-    label = PREFERRED if PREFERRED in score["pipelines"] else next(iter(score["pipelines"]))
+    label = PREFERRED if PREFERRED in score["pipelines"] else shown_labels(score)[0]
     records = FrameRecords(folder, label)
     rows = score["pipelines"][label]["per_frame"]
     if [row["frame"] for row in rows] != records.dataset.indices:
@@ -77,10 +77,10 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
         "later": [*parts.later, lost],
         "hero": picture(records, parts.hero, HERO_WIDTH_PX),
         "frames": filmstrip(records, parts.shown),
-        "legend": chain.legend,
-        "stretch": STRETCH,
+        "marks": ". ".join(each.capitalize() for each in (chain.legend, chain.greys) if each),
         "span_s": [rows[place]["time_s"] for place in (0, -1)],
         "camera": records.onboard.camera,
+        "explained": set(TITLES) <= set(score["pipelines"]),
         "scenario": scenario,
         "fingerprint": records.dataset.fingerprint(),
     }

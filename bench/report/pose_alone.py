@@ -7,6 +7,7 @@ from bench.report.parts import Card, Figure, ReportInput, ReportParts, Section
 from bench.report.plot import errors_over_time, svg_address
 from bench.report.summary import core_table
 from bench.report.table import length
+from models.onboard import needed
 
 
 def report(given: ReportInput) -> ReportParts:
@@ -15,7 +16,7 @@ def report(given: ReportInput) -> ReportParts:
     position, attitude = core["position_error_mm"], core["attitude_error_deg"]
     ranges = [row["range_m"] for row in rows]
     with_pose = [row for row in rows if row["position_error_mm"] is not None] or rows
-    camera = given.records.onboard.camera
+    camera = needed(given.records.onboard.camera, "camera.toml", "the report")
     return ReportParts(
         lead=(
             f"{given.info.target} under Sun {given.info.sun}, {len(rows)} images of "

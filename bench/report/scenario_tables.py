@@ -7,6 +7,7 @@ from typing import Any
 
 from models.errors import DatasetError, UnreadableError, cause
 from models.reading.toml_file import read_toml
+from renders.scenario.embedded_files import MOST_SCENARIO_BYTES
 
 
 def scenario_tables(folder: Path) -> dict[str, dict[str, Any]]:
@@ -23,7 +24,7 @@ def scenario_tables(folder: Path) -> dict[str, dict[str, Any]]:
     if not path.is_file():
         return {}
     try:
-        table = read_toml(path)
+        table = read_toml(path, MOST_SCENARIO_BYTES)
     except UnreadableError as error:
         raise DatasetError(
             f"{path}: expected a scenario as TOML, got: {cause(error)}; "

@@ -67,8 +67,8 @@ class Judgement:
     ----------
     run : int
     estimate : Estimate
-    range_m : float, m
-        From the camera to the target frame's origin.
+    range_m : float or None, m
+        From the camera to the target frame's origin; None where the chain knows none.
     position_m, attitude_deg : float or None
         Size of the error of the pose that the pipeline stands by; None without one.
     missed : bool
@@ -79,7 +79,7 @@ class Judgement:
 
     run: int
     estimate: Estimate
-    range_m: float
+    range_m: float | None
     position_m: float | None
     attitude_deg: float | None
     missed: bool

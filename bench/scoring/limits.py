@@ -9,6 +9,7 @@ from typing import Any
 
 from models.reading.fields import Fields
 from models.reading.toml_file import read_toml
+from renders.scenario.embedded_files import MOST_SCENARIO_BYTES
 
 LARGEST = 1e9
 
@@ -93,5 +94,5 @@ def _table(folder: Path, name: str) -> Fields | None:
     path = folder / "truth" / "scenario.toml"
     if not path.is_file():
         return None
-    fields = Fields(read_toml(path), path)
+    fields = Fields(read_toml(path, MOST_SCENARIO_BYTES), path)
     return fields.table(name) if name in fields else None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.chains.chain import FrameTruth
+from bench.chains.chain import PosedFrameTruth
 from bench.estimating.runs import Run
 from bench.pictures.frame_record import pose_stood_by
 from bench.scoring.asked import Check, checks
@@ -31,12 +31,12 @@ class TruePoses:
     Attributes
     ----------
     dataset : Dataset
-    by_frame : mapping of int to FrameTruth
+    by_frame : mapping of int to PosedFrameTruth
     limits : Limits
     """
 
     dataset: Dataset
-    by_frame: Mapping[int, FrameTruth]
+    by_frame: Mapping[int, PosedFrameTruth]
     limits: Limits
 
 
@@ -86,13 +86,20 @@ def judge_run(run: Run, truth: TruePoses) -> list[JudgedPose]:
     ]
 
 
-def judge_alone(said: Estimate, record: FrameTruth, scene: TrueScene) -> JudgedPose:
-    """Hold one estimate of one frame against its sealed record."""
+def judge_alone(said: Estimate, record: PosedFrameTruth, scene: TrueScene) -> JudgedPose:
+    """Hold one estimate of one frame against its sealed record.
+
+    Parameters
+    ----------
+    said : Estimate
+    record : PosedFrameTruth
+    scene : TrueScene
+    """
     return judged_pose(0, said, record, scene.onboard, scene.limits)
 
 
 def judged_pose(
-    run: int, said: Estimate, was: FrameTruth, onboard: OnboardKnowledge, limits: Limits
+    run: int, said: Estimate, was: PosedFrameTruth, onboard: OnboardKnowledge, limits: Limits
 ) -> JudgedPose:
     """Hold the pose that an estimate stands by against the truth.
 
@@ -100,24 +107,24 @@ def judged_pose(
     ----------
     run : int
     said : Estimate
-    was : FrameTruth
+    was : PosedFrameTruth
     onboard : OnboardKnowledge
     limits : Limits
     """
-    pose, true = pose_stood_by(said, onboard), was.cam_from_target
+    pose, truth = pose_stood_by(said, onboard), was.cam_from_target
     position_m = attitude_deg = moved = None
     if pose is not None:
-        moved = pose.translation - true.translation
+        moved = pose.translation - truth.translation
         position_m = float(np.linalg.norm(moved))
-        attitude_deg = turned_deg(pose, true)
+        attitude_deg = turned_deg(pose, truth)
     return JudgedPose(
         run=run,
         estimate=said,
-        range_m=float(np.linalg.norm(true.translation)),
+        range_m=float(np.linalg.norm(truth.translation)),
         position_m=position_m,
         attitude_deg=attitude_deg,
         missed=pose is None,
-        wrong=is_wrong(position_m, attitude_deg, ((_nees(said, true), POSE_DOF),), limits),
+        wrong=is_wrong(position_m, attitude_deg, ((_nees(said, truth), POSE_DOF),), limits),
         position_m_in_cam=None if moved is None else moved.tolist(),
     )
 
@@ -129,7 +136,16 @@ def turned_deg(estimate: RigidTransform, truth: RigidTransform) -> float:
 
 
 def asked(judged: Sequence[Sequence[JudgedPose]], truth: TruePoses, label: str) -> list[Check]:
-    """Hold run 0 against what the case asks for."""
+    """Hold run 0 against what the case asks for.
+
+    Parameters
+    ----------
+    judged : sequence of sequences of JudgedPose
+        Run by run.
+    truth : TruePoses
+    label : str
+        Of the pipeline.
+    """
     return checks(truth.dataset.folder, judged)
 
 
@@ -145,13 +161,13 @@ def frame_rows(judged: Sequence[Sequence[JudgedPose]], truth: TruePoses) -> list
     ]
 
 
-def _nees(said: Estimate, true: RigidTransform) -> float | None:
+def _nees(said: Estimate, truth: RigidTransform) -> float | None:
     """Return ``e' P^-1 e`` of the frame's own pose; None where no covariance is stated."""
     if said.pose is None or said.pose.covariance is None:
         return None
     pose = said.pose.cam_from_target
-    turn = Rotation.from_matrix(pose.rotation @ true.rotation.T).as_rotvec()
-    error = np.concatenate([turn, pose.translation - true.translation])
+    turn = Rotation.from_matrix(pose.rotation @ truth.rotation.T).as_rotvec()
+    error = np.concatenate([turn, pose.translation - truth.translation])
     try:
         return float(error @ np.linalg.solve(said.pose.covariance, error))
     except np.linalg.LinAlgError:

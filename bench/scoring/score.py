@@ -11,14 +11,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bench.chains.catalogue import chain_named
 from bench.chains.chain import Chain
 from bench.estimating.runs import (
+    Run,
     estimates_path,
     found_runs,
     found_variants,
@@ -128,15 +132,23 @@ def estimates_hash(folder: Path, label: str) -> str:
 def _score(dataset: Dataset, chain: Chain, truth: Any, label: str) -> dict[str, Any]:
     numbers = found_runs(dataset.folder, label)
     runs = [read_run(dataset, number, label) for number in numbers]
-    judged = [chain.judge(run, truth) for run in runs]
+    judged = [_judged(dataset, chain, truth, run) for run in runs]
     core = core_score(judged, list(runs[0].runtime_ms.values()))
     parts = {part.name: _plain(part.score(judged, truth, label)) for part in chain.parts}
     rows = zip(judged[0], chain.frame_rows(judged, truth), strict=True)
     return {
         "core": asdict(core),
         "parts": parts,
-        "per_frame": [{**_row(judgement), **own} for judgement, own in rows],
+        "per_frame": [{**_row(judgement), **_plain(own)} for judgement, own in rows],
     }
+
+
+def _judged(dataset: Dataset, chain: Chain, truth: Any, run: Run) -> Sequence[Judgement]:
+    try:
+        return chain.judge(run, truth)
+    except DatasetError as error:
+        path = estimates_path(dataset.folder, run.number, run.label)
+        raise DatasetError(f"{path}: {error}") from error
 
 
 def _row(judgement: Judgement) -> dict[str, Any]:
@@ -156,10 +168,17 @@ def _row(judgement: Judgement) -> dict[str, Any]:
 
 
 def _plain(part: Any) -> Any:
+    """Return what a chain says as JSON has it: arrays as lists, None for what is not finite."""
     if is_dataclass(part) and not isinstance(part, type):
-        return asdict(part)
+        return _plain(asdict(part))
+    if isinstance(part, Mapping):
+        return {str(key): _plain(item) for key, item in part.items()}
+    if isinstance(part, np.ndarray | np.generic):
+        return _plain(part.tolist())
     if isinstance(part, list | tuple):
         return [_plain(item) for item in part]
+    if isinstance(part, float) and not math.isfinite(part):
+        return None
     return part
 
 

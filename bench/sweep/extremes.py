@@ -14,6 +14,7 @@ from bench.sweep.run import SweepResult
 from bench.sweep.shots import encoded_png, images_of, picture
 from bench.sweep.table import Row, Setting, setting_of
 from models.atomic_file import write_bytes
+from models.onboard import needed
 
 OF_EACH = 3
 
@@ -99,6 +100,6 @@ def write_extremes(out: Path, found: Sequence[Extreme]) -> list[Path]:
 
 
 def _picture(result: SweepResult, setting: Setting, row: Row) -> NDArray[np.uint8]:
-    detector = result.onboard[setting.time_s].detector
+    detector = needed(result.onboard[setting.time_s].detector, "detector.toml", "a sweep")
     images = images_of(result.frame(setting, row.sun_text))
     return picture(list(images.values())[-1], detector)

@@ -142,7 +142,7 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
         threads=request.threads,
     )
     scenario = resolve(asked)
-    if request.width is None and scenario.camera.width > DEFAULT_WIDTH_PX:
+    if request.width is None and scenario.simulated_camera.width > DEFAULT_WIDTH_PX:
         scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
     check_option("--marker-samples", request.marker_samples, 1, MOST_MARKER_SAMPLES, whole=True)
     check_option("--memory-gb", request.memory_gb, 0.0, MOST_MEMORY_GB)
@@ -184,9 +184,15 @@ def has_lamps(world: World) -> bool:
 def _contenders(request: SweepRequest, world: World) -> list[Contender]:
     streams = [stream.name for stream in world.sensor.streams]
     streams += [sensor.name for sensor in world.tables]
-    own = chain_named(world.chain).pipelines
+    chain = chain_named(world.chain)
+    if chain.judge_alone is None:
+        raise ScenarioError(
+            f"expected a case whose frames can be judged one by one, got {world.scenario.name}, "
+            f"whose chain {chain.name} cannot; `rvbench run` renders and scores it"
+        )
+    own = chain.pipelines
     if request.pipeline == "both":
-        found = [each for each in contenders(streams, own)[0] if each.is_ours]
+        found, _ = contenders(streams, own, foreign=False)
     else:
         found, _ = contenders(streams, own, (request.pipeline,))
     if not found:

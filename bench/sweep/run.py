@@ -14,7 +14,8 @@ from typing import Any
 from rich.console import Console
 
 from bench.chains.catalogue import chain_named
-from bench.pictures.frame_record import PREFERRED, pose_stood_by
+from bench.estimating.runs import PREFERRED
+from bench.pictures.frame_record import pose_stood_by
 from bench.scoring.judgement import TrueScene
 from bench.scoring.limits import Limits
 from bench.sweep.folder import (
@@ -150,7 +151,8 @@ def _rows(plan: SweepPlan, works: list[PoseWork], truths: list[PoseTruth]) -> li
     rows = []
     for work, truth in zip(works, truths, strict=True):
         world = work.light.studio.world
-        chain = chain_named(world.chain)
+        judge_alone = chain_named(world.chain).judge_alone
+        assert judge_alone is not None, "the plan has asked"
         limits = Limits(**plan.scenario.limits.model_dump())
         scene = TrueScene(world.camera, world.target.markers, work.onboard, limits)
         for place, setting in enumerate(work.settings):
@@ -163,7 +165,7 @@ def _rows(plan: SweepPlan, works: list[PoseWork], truths: list[PoseTruth]) -> li
                     )
                 was = truth[sun.text]
                 for label, said in record.estimates.items():
-                    judged = chain.judge_alone(said, was, scene)
+                    judged = judge_alone(said, was, scene)
                     pose = pose_stood_by(said, work.onboard)
                     along_m = (
                         None if pose is None else pose.translation - was.cam_from_target.translation
@@ -179,7 +181,7 @@ def about(result: SweepResult) -> dict[str, Any]:
     return {
         "case": result.plan.scenario.name,
         "target": result.plan.scenario.target,
-        "width": result.plan.scenario.camera.width,
+        "width": result.plan.scenario.simulated_camera.width,
         "samples": result.plan.scenario.render.samples,
         "marker_samples": result.plan.scenario.render.marker_samples,
         "suns": len(result.plan.suns),

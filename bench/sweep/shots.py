@@ -28,7 +28,7 @@ from models.dataset.estimates_file import estimate_from_json, estimate_to_json
 from models.errors import DatasetError, StorageError
 from models.estimate import Estimate
 from models.frame import Frame, ImageReading, Reading
-from models.onboard import OnboardKnowledge
+from models.onboard import OnboardKnowledge, needed
 from models.reading.json_file import read_json_table
 from models.reading.regular_file import read_bytes
 from models.sensors.camera_chip import Detector
@@ -129,7 +129,7 @@ def take_shots(shots: Sequence[Shot], onboard: OnboardKnowledge, out: Path) -> b
         frame = exposed(shot, light)
         with Guards(list(shot.pipelines), onboard, None) as guarded:
             said = {label: one.process(frame).estimate for label, one in guarded.items()}
-        _write(out, shot, frame, said, onboard.detector)
+        _write(out, shot, frame, said, needed(onboard.detector, "detector.toml", "a sweep"))
     return True
 
 

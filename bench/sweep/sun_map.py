@@ -279,7 +279,7 @@ def _graticule(panel: Axes, half_deg: float) -> None:
 
 
 def ground(half_deg: float) -> tuple[Floats, Floats]:
-    """Return heights and half widths, deg, of the sphere's map grown by half a frame all around."""
+    """Return (361,) heights and half widths, deg, of the sphere's map grown by half a frame."""
     heights = np.linspace(-90.0 - half_deg, 90.0 + half_deg, 361)
     nearest = np.clip(np.abs(heights) - half_deg, 0.0, 90.0)
     return heights, 180.0 * np.cos(np.deg2rad(nearest)) + half_deg

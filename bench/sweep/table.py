@@ -11,6 +11,7 @@ import csv
 import io
 import json
 import re
+import sys
 import types
 import typing
 from dataclasses import asdict, dataclass, fields
@@ -31,7 +32,7 @@ from models.reading.json_file import read_json_table
 from models.reading.regular_file import read_lines
 
 TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 2
-LARGEST = 1e15  # of any number in the table
+LARGEST = sys.float_info.max  # any number that is one
 MOST_COUNTED = 1_000_000
 
 Verdict: TypeAlias = Literal["all found", "some missed", "wrong pose", "no pose"]
@@ -289,7 +290,7 @@ def _row(record: Fields) -> Row:
         elif name == "verdict":
             values[name] = record.choice(name, VERDICTS)
         else:
-            values[name] = record.text(name, MOST_PROSE)
+            values[name] = record.text(name, MOST_PROSE, lines=True)
     values["saturated_percent"] = {
         SATURATED.sub(r"\g<stream>", name): record.number(name, 0.0, 100.0) for name in saturated
     }

@@ -111,14 +111,19 @@ class Dataset:
     def check_images(self) -> None:
         """Refuse images that are not of the camera's size; only their headers are read.
 
+        Where no camera is on board, images may have any size.
+
         Raises
         ------
         DatasetError
             The message names the file.
         """
+        camera = self.onboard.camera
+        if camera is None:
+            return
         for stream in self.info.image_streams:
             for entry in self.entries:
-                check_image_size(stream.path(self.folder, entry.index), self.onboard.camera)
+                check_image_size(stream.path(self.folder, entry.index), camera)
 
     def fingerprint(self) -> str:
         """Return a hash of the public half but its images, as hexadecimal text."""

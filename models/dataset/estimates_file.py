@@ -125,7 +125,10 @@ def read_estimates(path: Path) -> list[Estimate]:
     estimates: list[Estimate] = []
     for number, record in records:
         where = f"{path}:{number}"
-        estimate = estimate_from_json(estimates_version1.converted(record), where)
+        try:
+            estimate = estimate_from_json(estimates_version1.converted(record), where)
+        except DatasetError as error:
+            raise DatasetError(f"{error}; estimate again") from error
         if estimates and estimate.frame <= estimates[-1].frame:
             raise DatasetError(
                 f"{where}: expected each frame once and in order, got {estimate.frame} after "

@@ -50,6 +50,11 @@ def read_frame_entries(folder: Path) -> list[FrameEntry]:
         not rise.
     """
     path = folder / FILE_NAME
+    if not path.exists():
+        raise DatasetError(
+            f"{path}: No such file, where the frames of a dataset were expected; "
+            "run the render again, it goes on where it stopped"
+        )
     entries = [
         FrameEntry(
             index=row.whole("index", *FRAME),

@@ -19,7 +19,13 @@ MEND = "render again: only what is missing is rendered"
 
 
 def encode_image(image: Image) -> bytes:
-    """Return a (height, width) uint16 image as PNG."""
+    """Return a (height, width) uint16 image as PNG.
+
+    Raises
+    ------
+    DatasetError
+        If OpenCV refuses it.
+    """
     ok, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 1])
     if not ok:
         raise DatasetError(f"expected to encode an image of shape {image.shape}, OpenCV refused")

@@ -52,7 +52,13 @@ def read_markers(path: Path) -> MarkerPattern:
 
 
 def markers_of(fields: Fields) -> MarkerPattern:
-    """Return the markers of a table that was read, from wherever; see ``read_markers``."""
+    """Return the markers of a table that was read, from wherever.
+
+    Raises
+    ------
+    DatasetError
+        As ``read_markers``.
+    """
     fields.only(("radius_m", "marker"))
     rows = fields.tables("marker", MOST_MARKERS)
     for row in rows:

@@ -10,6 +10,9 @@
     wireframe.json    the target as drawn
     knowledge.toml    how the camera is mounted, and the sigmas expected before flight
     sigmas.toml       1-sigma of what the files above may be wrong by, where it is told
+    ANY_OTHER.toml    what else a chain has on board
+
+A dataset has those of them that its sensors and its pipelines need.
 """
 
 from __future__ import annotations
@@ -39,8 +42,18 @@ KNOWN = (CAMERA, DETECTOR, OPTICS, MARKERS, PRIOR, WIREFRAME, EXPECTATIONS, SIGM
 
 
 def onboard_texts(onboard: OnboardKnowledge) -> dict[str, str]:
-    """Return the texts of the files that hold what is on board, by name."""
-    texts = {CAMERA: onboard.camera.to_toml(), DETECTOR: detector_to_toml(onboard.detector)}
+    """Return the texts of the files that hold what is on board, by name.
+
+    Raises
+    ------
+    DatasetError
+        If a table on board has the name of another file, or one that does not end in .toml.
+    """
+    texts = {}
+    if onboard.camera is not None:
+        texts[CAMERA] = onboard.camera.to_toml()
+    if onboard.detector is not None:
+        texts[DETECTOR] = detector_to_toml(onboard.detector)
     if onboard.psf_sigma_px is not None:
         texts[OPTICS] = tomli_w.dumps({"psf_sigma_px": float(onboard.psf_sigma_px)})
     if onboard.markers is not None:
@@ -53,6 +66,12 @@ def onboard_texts(onboard: OnboardKnowledge) -> dict[str, str]:
         texts[EXPECTATIONS] = expectations_to_toml(onboard.expectations)
     if onboard.sigmas:
         texts[SIGMAS] = tomli_w.dumps({key: float(x) for key, x in onboard.sigmas.items()})
+    for name, table in onboard.tables.items():
+        if name in KNOWN or not name.endswith(".toml"):
+            raise DatasetError(
+                f"expected a name of its own ending in .toml for a table on board, got {name!r}"
+            )
+        texts[name] = tomli_w.dumps(table)
     return texts
 
 
@@ -83,23 +102,28 @@ def read_onboard(
         return own if own is not None and own.exists() else folder / name
 
     camera, detector = path(CAMERA), path(DETECTOR)
-    if camera is None or detector is None:
-        raise DatasetError(
-            f"{folder}/dataset.json: expected {CAMERA} and {DETECTOR} among the on-board files, "
-            f"got {', '.join(names) or 'none'}"
-        )
     optics, sigmas, markers, prior = path(OPTICS), path(SIGMAS), path(MARKERS), path(PRIOR)
     wireframe, expectations = path(WIREFRAME), path(EXPECTATIONS)
     return OnboardKnowledge(
-        camera=Camera.from_toml(camera),
-        detector=read_detector(detector),
+        camera=None if camera is None else Camera.from_toml(camera),
+        detector=None if detector is None else read_detector(detector),
         markers=None if markers is None else read_markers(markers),
         prior=None if prior is None else read_prior(prior),
         wireframe=None if wireframe is None else read_wireframe(wireframe),
         expectations=None if expectations is None else read_expectations(expectations),
         psf_sigma_px=None if optics is None else _psf_sigma_px(optics),
         sigmas={} if sigmas is None else _sigmas(sigmas),
+        tables={name: _other(path(name), name, folder) for name in names if name not in KNOWN},
     )
+
+
+def _other(path: Path | None, name: str, folder: Path) -> dict[str, Any]:
+    if path is None or not name.endswith(".toml"):
+        raise DatasetError(
+            f"{folder}/dataset.json: expected on-board files {', '.join(KNOWN)}, or tables of a "
+            f"chain's own ending in .toml, got {name!r}"
+        )
+    return read_toml(path)
 
 
 def expectations_to_toml(expected: FlightExpectations) -> str:

@@ -11,7 +11,7 @@ from models.dataset.frame_table import FrameEntry
 from models.errors import DatasetError
 from models.frame import TableReading
 from models.reading.bounds import FRAME, TIME_S
-from models.reading.csv_table import read_csv
+from models.reading.csv_table import CsvRow, read_csv
 
 LARGEST = 1e15  # of any number: below it all arithmetic stays finite
 SAME_TIME_S = 1e-6
@@ -50,7 +50,7 @@ def read_table(
     }
     time_of = {entry.index: entry.time_s for entry in entries}
     last_s = -np.inf
-    for row in read_csv(path, ("index", "time_s", *columns)):
+    for row in _rows(path, columns):
         index, time_s = row.whole("index", *FRAME), row.number("time_s", *TIME_S)
         if index not in by_frame:
             raise DatasetError(
@@ -65,6 +65,15 @@ def read_table(
         by_frame[index][0].append(time_s)
         by_frame[index][1].append([row.number(name, -LARGEST, LARGEST) for name in columns])
     return {index: _reading(columns, *own) for index, own in by_frame.items()}
+
+
+def _rows(path: Path, columns: tuple[str, ...]) -> Iterable[CsvRow]:
+    if not path.exists():
+        raise DatasetError(
+            f"{path}: No such file, where a sensor's table was expected, as dataset.json tells; "
+            "render again: only what is missing is rendered"
+        )
+    return read_csv(path, ("index", "time_s", *columns))
 
 
 def _reading(

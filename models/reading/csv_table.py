@@ -91,7 +91,7 @@ def csv_rows(
     UnreadableError
         If the header is another, or a row is of another length.
     """
-    reader = csv.reader(lines, strict=True)
+    reader = csv.reader((line + "\n" for line in lines), strict=True)  # a cell may have lines
     try:
         header = next(reader, [])
         _check_header(where, header, columns, optional)

@@ -18,14 +18,14 @@ from models.arrays import Floats
 from models.errors import DatasetError
 from models.pose import RigidTransform
 from models.reading.bounds import LENGTH_M, MOST_NAME
-from models.reading.shown import shown
+from models.reading.shown import is_plain, shown
 from models.reading.uncertainty import exact_covariance, exact_rotation
 
 MOST_ITEMS = 10_000_000  # of a list, where its reader names no other
 
 
 class Fields:
-    """A table that was read, and where from; every method raises DatasetError.
+    """A table that was read, and where from.
 
     Parameters
     ----------
@@ -35,6 +35,11 @@ class Fields:
         The file, perhaps with its line, for messages.
     within : str
         The keys that led to this table, each with a dot after it.
+
+    Raises
+    ------
+    DatasetError
+        If the table is none; by every method, if a key or its value is not what was asked for.
     """
 
     def __init__(self, table: Mapping[str, Any], where: Path | str, within: str = "") -> None:
@@ -52,7 +57,16 @@ class Fields:
         return key in self._table
 
     def refusal(self, key: str, expected: str, came: Any) -> DatasetError:
-        """Return the error that says what was expected of a key and what came."""
+        """Return the error that says what was expected of a key and what came.
+
+        Parameters
+        ----------
+        key : str
+        expected : str
+            How it should have come: ``as a list``.
+        came : object
+            What came, as it is to be shown.
+        """
         return DatasetError(f"{self.where}: expected {self._named(key)} {expected}, got {came}")
 
     def only(self, required: Collection[str], optional: Collection[str] = ()) -> None:
@@ -91,14 +105,32 @@ class Fields:
     def number(
         self, key: str, low: float, high: float, *, above: float | None = None, unit: str = ""
     ) -> float:
-        """Return a number from ``low`` to ``high``, and greater than ``above`` if that is given."""
+        """Return a number from ``low`` to ``high``, and greater than ``above`` if that is given.
+
+        Parameters
+        ----------
+        key : str
+        low, high : float
+            Both allowed.
+        above : float, optional
+            Not itself allowed.
+        unit : str
+            For the message.
+        """
         came = self._number(key)
         if not (low <= came <= high and (above is None or came > above)):
             raise self.refusal(key, _between(low, high, above, unit), shown(came))
         return float(came)
 
     def whole(self, key: str, low: int, high: int) -> int:
-        """Return a whole number from ``low`` to ``high``; 2.0 is none."""
+        """Return a whole number from ``low`` to ``high``; 2.0 is none.
+
+        Parameters
+        ----------
+        key : str
+        low, high : int
+            Both allowed.
+        """
         came = self._whole(key)
         if not low <= came <= high:
             raise self.refusal(key, _between(low, high, None, ""), shown(came))
@@ -112,7 +144,15 @@ class Fields:
         return came
 
     def text(self, key: str, most_characters: int = MOST_NAME, *, lines: bool = False) -> str:
-        """Return printable text; with ``lines`` it may have several."""
+        """Return printable text.
+
+        Parameters
+        ----------
+        key : str
+        most_characters : int
+        lines : bool
+            Whether it may have several lines.
+        """
         return self._text(key, self.value(key), most_characters, lines)
 
     def choice(self, key: str, among: Collection[str]) -> str:
@@ -132,7 +172,16 @@ class Fields:
         return came
 
     def wholes(self, key: str, low: int, high: int, most: int = MOST_ITEMS) -> tuple[int, ...]:
-        """Return a list of whole numbers."""
+        """Return a list of whole numbers.
+
+        Parameters
+        ----------
+        key : str
+        low, high : int
+            Of each; both allowed.
+        most : int
+            Of items.
+        """
         came = self.items(key, most)
         for item in came:
             if type(item) is not int or not low <= item <= high:
@@ -150,12 +199,34 @@ class Fields:
     def texts(
         self, key: str, most: int = MOST_ITEMS, most_characters: int = MOST_NAME
     ) -> tuple[str, ...]:
-        """Return a list of printable texts of one line each."""
+        """Return a list of printable texts of one line each.
+
+        Parameters
+        ----------
+        key : str
+        most : int
+            Of items.
+        most_characters : int
+            Of each.
+        """
         came = self.items(key, most)
         return tuple(self._text(key, item, most_characters, False) for item in came)
 
     def vector(self, key: str, length: int | None, low: float, high: float) -> Floats:
-        """Return (length,) numbers, or any number of them if ``length`` is None."""
+        """Return a list of numbers.
+
+        Parameters
+        ----------
+        key : str
+        length : int or None
+            Any number of them if it is None.
+        low, high : float
+            Of each; both allowed.
+
+        Returns
+        -------
+        (length,) array
+        """
         return self.numbers(key, (length,), low, high)
 
     def numbers(
@@ -168,9 +239,24 @@ class Fields:
         *,
         holes: bool = False,
     ) -> Floats:
-        """Return an array of nested lists; only the first of ``shape`` may be None, any length.
+        """Return an array of nested lists.
 
-        With ``holes`` a null is a NaN.
+        Parameters
+        ----------
+        key : str
+        shape : sequence of int or None
+            Only the first may be None, any length.
+        low, high : float
+            Of each number; both allowed.
+        most : int
+            Of items, in any one list.
+        holes : bool
+            Whether a null is a NaN, or refused.
+
+        Returns
+        -------
+        (...,) array
+            Of the shape asked for.
         """
         rows: list[Any] = [self.value(key)]
         words = " x ".join("n" if side is None else str(side) for side in shape)
@@ -189,7 +275,21 @@ class Fields:
         return np.array(rows, dtype=np.float64).reshape(sides)
 
     def array(self, key: str, low: float, high: float, most: int = MOST_ITEMS) -> Floats:
-        """Return numbers nested in lists, of any shape in which every depth has one length."""
+        """Return numbers nested in lists, of any shape in which every depth has one length.
+
+        Parameters
+        ----------
+        key : str
+        low, high : float
+            Of each number; both allowed.
+        most : int
+            Of items, at every depth.
+
+        Returns
+        -------
+        (...,) array
+            Of shape () where there is but one number, and no list.
+        """
         rows: list[Any] = [self.value(key)]
         sides: list[int] = []
         while rows and all(isinstance(row, list) for row in rows):
@@ -216,13 +316,32 @@ class Fields:
     def pose(
         self, rotation_key: str, translation_key: str, low: float, high: float
     ) -> RigidTransform:
-        """Return a pose from its rotation and its translation, m."""
+        """Return a pose from its rotation and its translation.
+
+        Parameters
+        ----------
+        rotation_key, translation_key : str
+        low, high : float, m
+            Of each number of the translation; both allowed.
+        """
         return RigidTransform(
             self.rotation(rotation_key), self.vector(translation_key, 3, low, high)
         )
 
     def covariance(self, key: str, size: int, most: float = LENGTH_M[1] ** 2) -> Floats:
-        """Return a (size, size) covariance, exactly symmetric; no entry is larger than ``most``."""
+        """Return a covariance, exactly symmetric.
+
+        Parameters
+        ----------
+        key : str
+        size : int
+        most : float
+            No entry is larger, nor less than minus this.
+
+        Returns
+        -------
+        (size, size) array
+        """
         came = self.numbers(key, (size, size), -most, most)
         try:
             return exact_covariance(came)
@@ -261,8 +380,7 @@ class Fields:
         if len(came) > most_characters:
             expected = f"of at most {most_characters} characters"
             raise self.refusal(key, expected, f"{len(came)}")
-        flat = came.replace("\n", "").replace("\t", "") if lines else came
-        if not flat.isprintable():
+        if not is_plain(came, lines=lines):
             raise self.refusal(key, "to be printable text", shown(came))
         return came
 

@@ -48,6 +48,14 @@ def read_json_lines(
 ) -> list[tuple[int, dict[str, Any]]]:
     """Read a file of one JSON table a line: line numbers from 1, and the tables.
 
+    Parameters
+    ----------
+    path : Path
+    most_bytes : int
+        Of the file.
+    most_line_bytes : int
+        Characters of a line.
+
     Raises
     ------
     UnreadableError

@@ -23,7 +23,15 @@ _TOML = re.compile(
 
 
 def check_json_nesting(path: Path, text: str, line: int | None = None) -> None:
-    """Refuse JSON nested more than 32 deep; ``line`` is that of the text, if it is but one.
+    """Refuse JSON nested more than 32 deep.
+
+    Parameters
+    ----------
+    path : Path
+        For the message.
+    text : str
+    line : int, optional
+        That of the text in its file, if it is but one.
 
     Raises
     ------

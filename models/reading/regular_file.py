@@ -79,10 +79,18 @@ def read_lines(
 ) -> list[str]:
     r"""Read the lines of a text file, which end in ``\n`` or ``\r\n``; the last may lack its end.
 
+    Parameters
+    ----------
+    path : Path
+    most_bytes : int
+        Of the file.
+    most_line_bytes : int
+        Characters of a line.
+
     Raises
     ------
     UnreadableError
-        As ``read_text``, and if a line has more than ``most_line_bytes`` characters.
+        As ``read_text``, and if a line is too long.
     """
     lines = read_text(path, most_bytes).split("\n")
     if lines[-1] == "":

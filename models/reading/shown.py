@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from typing import Any
 
 MOST_SHOWN = 120  # characters of what came
+CONTROLS = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")  # a terminal obeys them, or breaks
+TURNS = re.compile(r"[\u2028\u2029\u200e\u200f\u202a-\u202e\u2066-\u2069]")  # lines or their sense
 
 
 class _Short(reprlib.Repr):
@@ -26,6 +29,16 @@ class _Short(reprlib.Repr):
 
 
 _SHORT = _Short()
+
+
+def is_plain(text: str, *, lines: bool = False) -> bool:
+    """Tell whether text has no control characters; with ``lines`` it may have ends and tabs."""
+    return not CONTROLS.search(text.replace("\n", "").replace("\t", "") if lines else text)
+
+
+def reads_as_written(text: str) -> bool:
+    """Tell whether a reader sees text in the order in which it stands, on one line."""
+    return not TURNS.search(text)
 
 
 def shown(value: Any) -> str:

@@ -33,15 +33,15 @@ def exact_rotation(matrix: Floats) -> Floats:
 
 
 def exact_covariance(matrix: Floats) -> Floats:
-    """Return a covariance exactly symmetric; zero variances are allowed.
+    """Return an (n, n) covariance exactly symmetric; zero variances are allowed.
 
     It is judged by its correlations, for its rows may have other units.
 
     Raises
     ------
     ValueError
-        If a value is not finite, it is not symmetric, or a variance of any combination is below
-        zero.
+        If it is not square or not symmetric, a value is not finite, a variance of any combination
+        is below zero, or what has no variance is correlated.
     """
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
         raise ValueError(f"one of shape {matrix.shape}, which is not square")

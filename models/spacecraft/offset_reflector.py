@@ -35,7 +35,6 @@ DISH = OffsetDish(
     clearance_m=0.35,
     shell_m=SHELL_M,
 )
-FOCUS = DISH.focus
 
 
 def offset_reflector_parts(sign: float) -> tuple[Part, ...]:

@@ -51,8 +51,8 @@ class FlightKnowledge:
         """
         prior = needed(onboard.prior, "prior.toml", NAME)
         return cls(
-            camera=onboard.camera,
-            detector=onboard.detector,
+            camera=needed(onboard.camera, "camera.toml", NAME),
+            detector=needed(onboard.detector, "detector.toml", NAME),
             markers=needed(onboard.markers, "markers.toml", NAME),
             prior=prior.cam_from_target,
             prior_sigma_m=prior.sigma_m,

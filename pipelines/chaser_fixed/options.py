@@ -5,61 +5,20 @@ The symbols are those of Opromolla et al. 2022, Table 11, whose values are the d
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from models.errors import ScenarioError
+from pipelines.detection.detection_options import PerimeterRule, ThresholdRule
+from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
-ThresholdRule: TypeAlias = Literal["fraction_of_max", "otsu", "larger_of_both", "per_blob"]
-PerimeterRule: TypeAlias = Literal["crofton", "chain"]
 Centroiding: TypeAlias = Literal["weighted_blob", "disc_fit"]
 Identification: TypeAlias = Literal["nearest_neighbour", "one_to_one"]
 Prediction: TypeAlias = Literal["last_pose", "constant_velocity"]
-Parametrisation: TypeAlias = Literal["euler_321", "rotation_vector"]
-LambdaRule: TypeAlias = Literal["paper", "gavin"]
 
 VARIANTS = ("paper", "best")
-
-
-@dataclass(frozen=True)
-class LevenbergMarquardtOptions:
-    """Settings of the solver (equations 9 to 14, Tables 2 and 11).
-
-    Attributes
-    ----------
-    parametrisation : str
-        ``euler_321``: (alpha, beta, gamma, t), updated by addition, as printed.
-        ``rotation_vector``: a small left turn and t, which has no singularity.
-    lambda_rule : str
-        ``paper``: lambda grows on success and shrinks on failure, as printed. ``gavin``: the
-        other way round (Gavin 2020, update rule 1), which is what makes the method robust.
-    lambda0, lambda_up, lambda_down : float
-        First damping and its two factors.
-    eps0 : float
-        Least decrease of chi2 that is a success (``paper``), or least ratio of the decrease to
-        the predicted one (``gavin``).
-    eps1 : float
-        Stop when the largest component of the gradient is below this.
-    eps2 : float
-        Stop when the largest relative update is below this.
-    eps3 : float
-        Stop when the reduced chi2 is below this; 0 never stops. The paper's 1e-8 is 0.22 px rms
-        at f = 2196 px: from a coarse guess it stops after one or two steps.
-    max_iterations : int
-    """
-
-    parametrisation: Parametrisation = "euler_321"
-    lambda_rule: LambdaRule = "paper"
-    lambda0: float = 1e-8
-    lambda_up: float = 11.0
-    lambda_down: float = 9.0
-    eps0: float = 1e-9
-    eps1: float = 1e-10
-    eps2: float = 1e-4
-    eps3: float = 1e-8
-    max_iterations: int = 200
 
 
 @dataclass(frozen=True)
@@ -136,7 +95,7 @@ class ChaserFixedOptions:
     s_id: float = 2.0
     min_markers: int = 4
     gate_growth: float = 0.5
-    solver: LevenbergMarquardtOptions = LevenbergMarquardtOptions()
+    solver: LevenbergMarquardtOptions = field(default_factory=LevenbergMarquardtOptions)
     centroiding: Centroiding = "weighted_blob"
     identification: Identification = "nearest_neighbour"
     prediction: Prediction = "last_pose"
@@ -157,11 +116,11 @@ class ChaserFixedOptions:
     max_residual_radii: float = 1.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for each in fields(self):
+            value = getattr(self, each.name)
             if isinstance(value, float) and not (np.isfinite(value) and value >= 0.0):
                 raise ScenarioError(
-                    f"chaser-fixed options: expected {field.name} finite and not below zero, "
+                    f"chaser-fixed options: expected {each.name} finite and not below zero, "
                     f"got {value}"
                 )
         if not 0.0 < self.tau_bin < 1.0:

@@ -11,13 +11,13 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.match import Match
 from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
 from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.pair_alignment import AlignedPatch, aligned_patch
+from pipelines.pnp.match import Match
 
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0
@@ -60,6 +60,16 @@ def contrast_800(
     """Return how much a marker's face differs from its surround at 800 nm, over its height.
 
     That times the motion within the pair is how far the difference pulls the marker's centre.
+
+    Parameters
+    ----------
+    patch : AlignedPatch
+    centre_px : (2,) array, px
+        Of the marker's outline, in the whole image.
+    shape_px2 : (2, 2) array, px^2
+        ``S`` of the outline ``d^T S^-1 d = 1``.
+    height_dn : float, DN
+        Of the disc, as fitted.
     """
     v, u = np.indices(patch.image_800.shape)
     away = np.stack([u, v], axis=-1) + patch.corner_px - centre_px

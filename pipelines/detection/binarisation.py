@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from models.arrays import Floats, Image, Mask
-from pipelines.chaser_fixed.options import ThresholdRule
+from pipelines.detection.detection_options import ThresholdRule
 
 LEVELS = 65536
 

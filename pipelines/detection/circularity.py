@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from models.arrays import Floats
-from pipelines.chaser_fixed.options import PerimeterRule
 from pipelines.detection.blobs import Blobs
+from pipelines.detection.detection_options import PerimeterRule
 
 DIRECTIONS = ((0, 1, 1.0), (1, 0, 1.0), (1, 1, np.sqrt(0.5)), (1, -1, np.sqrt(0.5)))
 

@@ -1,8 +1,7 @@
 """Corners of a target in an image: Shi and Tomasi's, refined below the pixel.
 
-The better of the two corner detectors here, see ``line_segments`` for the other. A corner's sigma
-is what the image's noise leaves of it, and what the light adds: shadows and rounded shapes move a
-corner whatever the noise.
+A corner's sigma is what the image's noise leaves of it, and what the light adds: shadows and
+rounded shapes move a corner whatever the noise.
 
 Source: Shi and Tomasi 1994, CVPR, "Good features to track"; Foerstner and Guelch 1987 for the
 refinement and its covariance.

@@ -1,4 +1,4 @@
-"""Edge pixels of an image with their directions, and how far every place is from the next of them.
+"""Edge pixels of an image with their directions.
 
 The steepness of the stretched image is counted in its own noise, so that an edge between two dim
 faces is as good as one between two bright ones (Canny 1986 does the rest).
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from models.arrays import Floats, Mask, Radiance
+from models.arrays import Mask, Radiance
 from models.sensors.camera_chip import Detector
 from pipelines.detection.target_region import TargetRegion
 
@@ -21,8 +21,6 @@ NOISE_GATE = 4.0  # sigmas below which a gradient is noise
 LEAST_GRADIENT = 0.02  # per px, of the stretched image: a step of 6 % in brightness
 STRONG, WEAK = 2.0, 1.0  # Canny's thresholds, in units of the above
 NEAR_TARGET_PX = 4.0
-DIRECTIONS = 6  # bins of half a turn,
-OVERLAP = 0.75  # each holding what lies within this many bin widths of its middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,27 +43,6 @@ class EdgeMap:
     edges: Mask
     angle_rad: Radiance
     noise: Radiance
-
-    def distances(self, truncation_px: float) -> Radiance:
-        """Return how far each pixel is from an edge of each direction, (bins, height, width), px.
-
-        No further than ``truncation_px``. Bin k holds gradients around ``k pi / DIRECTIONS``.
-        """
-        step = np.pi / DIRECTIONS
-        layers = []
-        for k in range(DIRECTIONS):
-            away = np.abs((self.angle_rad - k * step + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
-            chosen = self.edges & (away < OVERLAP * step)
-            inverse = np.where(chosen, 0, 255).astype(np.uint8)
-            far = cv2.distanceTransform(inverse, cv2.DIST_L2, 5)
-            layers.append(np.minimum(far, truncation_px))
-        return np.stack(layers).astype(np.float32)
-
-
-def direction_bin(normals_px: Floats) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
-    """Return which layer of ``EdgeMap.distances`` a normal (..., 2) belongs to."""
-    angle = np.arctan2(normals_px[..., 1], normals_px[..., 0])
-    return np.rint(angle * DIRECTIONS / np.pi).astype(np.int64) % DIRECTIONS
 
 
 def find_edges(target: TargetRegion, detector: Detector | None = None) -> EdgeMap:

@@ -6,7 +6,6 @@ import numpy as np
 
 from models.camera import Camera
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.area_opening import area_threshold_px, open_areas
 from pipelines.detection.binarisation import binarise, threshold_dn
 from pipelines.detection.blobs import find_blobs
@@ -14,6 +13,7 @@ from pipelines.detection.border_margin import border_margin_px, inside_margin
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import circularity
+from pipelines.detection.detection_options import DetectionOptions
 from pipelines.detection.image_difference import clipped_difference, saturated
 from pipelines.detection.image_pair import ImagePair
 
@@ -23,7 +23,7 @@ def detect_by_global_threshold(
     camera: Camera,
     detector: Detector,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: DetectionOptions,
 ) -> Candidates:
     """Find candidate markers: difference, threshold, area, circularity, centroid, border.
 
@@ -34,7 +34,7 @@ def detect_by_global_threshold(
     detector : Detector
     radius_px : float, px
         Expected radius of a marker's image (equation 4).
-    options : ChaserFixedOptions
+    options : DetectionOptions
     """
     difference = clipped_difference(pair)
     threshold = threshold_dn(

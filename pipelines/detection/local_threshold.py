@@ -13,11 +13,11 @@ import numpy as np
 
 from models.arrays import Floats, Image, Mask
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.blobs import Blobs, find_blobs
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import circularity
+from pipelines.detection.detection_options import DetectionOptions
 from pipelines.detection.image_difference import Region, saturated, signed_difference
 from pipelines.detection.image_pair import ImagePair
 
@@ -46,7 +46,7 @@ def _cut_at_half_height(
     own: Mask,
     rim: Mask,
     areas_px: tuple[float, float],
-    options: ChaserFixedOptions,
+    options: DetectionOptions,
 ) -> Candidates:
     """Cut one seed's crop at half height; usually one blob is left, rarely more.
 
@@ -94,7 +94,7 @@ def detect_in_region(
     detector: Detector,
     region: Region,
     radii_px: tuple[float, float],
-    options: ChaserFixedOptions,
+    options: DetectionOptions,
 ) -> Candidates:
     """Find candidate markers in a part of the image.
 
@@ -106,7 +106,7 @@ def detect_in_region(
         The whole image, or the surroundings of a predicted marker.
     radii_px : tuple of float, px
         Smallest and largest radius that a marker's image may have.
-    options : ChaserFixedOptions
+    options : DetectionOptions
     """
     if region.pixels == 0:
         return Candidates.none()

@@ -10,14 +10,14 @@ from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.markers import MarkerPattern
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.detection.candidates import Candidates
+from pipelines.detection.detection_options import DetectionOptions
 from pipelines.detection.disc_outline import DiscOutlines, disc_outlines
 from pipelines.detection.image_difference import Region
 from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.local_threshold import detect_in_region
+from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
-from pipelines.tracking.motion_prediction import PredictedPose
 
 REGION_MARGIN_PX = 5.0
 LARGEST_SHARE = 0.25  # of the image; above, regions save nothing
@@ -76,14 +76,14 @@ def predict_markers(
 
 
 def region_half_sizes_px(
-    predicted: PredictedMarkers, options: ChaserFixedOptions, growth: float
+    predicted: PredictedMarkers, options: DetectionOptions, growth: float
 ) -> Floats:
     """Return the half width and half height round each predicted marker, (n, 2) px.
 
     Parameters
     ----------
     predicted : PredictedMarkers
-    options : ChaserFixedOptions
+    options : DetectionOptions
     growth : float
         Factor on what is added to the disc's own image, more after lost frames.
     """
@@ -93,7 +93,7 @@ def region_half_sizes_px(
 
 
 def marker_regions(
-    camera: Camera, predicted: PredictedMarkers, options: ChaserFixedOptions, growth: float
+    camera: Camera, predicted: PredictedMarkers, options: DetectionOptions, growth: float
 ) -> list[Region]:
     """Return the regions round the predicted markers; none if they would be most of the image.
 
@@ -101,7 +101,7 @@ def marker_regions(
     ----------
     camera : Camera
     predicted : PredictedMarkers
-    options : ChaserFixedOptions
+    options : DetectionOptions
     growth : float
         Factor on what is added to the disc's own image, more after lost frames.
     """
@@ -125,7 +125,7 @@ def search(
     detector: Detector,
     predicted: PredictedMarkers,
     regions: list[Region],
-    options: ChaserFixedOptions,
+    options: DetectionOptions,
 ) -> Candidates:
     """Find candidates in the regions, and drop those that the image's edge may cut.
 
@@ -136,7 +136,7 @@ def search(
     detector : Detector
     predicted : PredictedMarkers
     regions : list of Region
-    options : ChaserFixedOptions
+    options : DetectionOptions
     """
     parts = [
         detect_in_region(pair, detector, region, predicted.radii_px, options) for region in regions

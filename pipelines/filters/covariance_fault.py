@@ -11,7 +11,7 @@ SIGMAS = (1e-12, 1e6)  # rad and m: no camera measures better, and what is worse
 
 
 def positive(covariance: Floats) -> bool:
-    """Tell whether a symmetric matrix is finite and positive definite."""
+    """Tell whether a symmetric (n, n) matrix is finite and positive definite."""
     diagonal = np.diagonal(covariance)
     if not (np.isfinite(covariance).all() and (diagonal > 0.0).all()):
         return False

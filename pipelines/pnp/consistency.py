@@ -10,9 +10,9 @@ from scipy.stats import chi2, f
 
 from models.arrays import Floats
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.options import LevenbergMarquardtOptions
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
+from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
 LEAST_FREEDOM = 0.02  # share of a residual that the solver has not fitted away
 CALM = 0.9999  # quantile of chi-square up to which residuals are as foreseen

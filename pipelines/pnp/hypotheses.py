@@ -18,9 +18,9 @@ from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.identification import one_to_one
+from pipelines.pnp.identification import one_to_one
+from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.projection_jacobian import project_normalised
-from pipelines.tracking.motion_prediction import PredictedPose
 
 MOST_TRIPLES = 400  # P3P calls; each with its votes takes about 0.5 ms
 CANDIDATES_EACH = 3  # nearest candidates tried for a marker

@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
-from pipelines.chaser_fixed.options import LevenbergMarquardtOptions, Parametrisation
 from pipelines.pnp.problem import PnpProblem
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
+from pipelines.pnp.solver_options import LevenbergMarquardtOptions, Parametrisation
 
 StopReason: TypeAlias = Literal["gradient", "step", "chi2", "iterations", "singular"]
 

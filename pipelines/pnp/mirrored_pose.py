@@ -13,8 +13,8 @@ from scipy.stats import chi2
 
 from models.arrays import Floats
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.match import Solution
-from pipelines.tracking.motion_prediction import PredictedPose
+from pipelines.pnp.match import Solution
+from pipelines.pnp.predicted_pose import PredictedPose
 
 NEARLY_PLANE = 0.1  # relief over the lesser extent; with more, the mirrored pose never fits
 DECISIVE_CHI2 = 13.8  # likelihoods a thousand to one
@@ -24,7 +24,16 @@ SAME_CHI2 = float(chi2.ppf(0.95, 6))  # poses nearer than this, in sigmas square
 def mirrored_pose(pose: RigidTransform, points_in_target: Floats) -> RigidTransform | None:
     """Return the pose with the points' plane mirrored about the line of sight to their middle.
 
-    None where the points are not in a plane, nearly.
+    Parameters
+    ----------
+    pose : RigidTransform
+        ``cam_from_target``.
+    points_in_target : (n, 3) array, m
+
+    Returns
+    -------
+    RigidTransform or None
+        None where the points are not in a plane, nearly.
     """
     middle = points_in_target.mean(axis=0)
     _, extent, axes = np.linalg.svd(points_in_target - middle)
@@ -58,7 +67,17 @@ def rival_of(solution: Solution, other: Solution) -> float | None:
 
 
 def misfit(residuals_px: Floats, covariance_px2: Floats, outlier_sigmas: float) -> float:
-    """Return chi2 over all matches, in which none counts more than an outlier does."""
+    """Return chi2 over all matches, in which none counts more than an outlier does.
+
+    Parameters
+    ----------
+    residuals_px : (n, 2) array, px
+        A NaN counts as an outlier.
+    covariance_px2 : (n, 2, 2) array, px^2
+        Of the points.
+    outlier_sigmas : float
+        From which on a match is one.
+    """
     solved = np.linalg.solve(covariance_px2, residuals_px[..., None])[..., 0]
     squares = (residuals_px * solved).sum(axis=1)
     return float(np.minimum(np.nan_to_num(squares, nan=np.inf), outlier_sigmas**2).sum())

@@ -79,26 +79,3 @@ def turn_from_euler_rates(euler_rad: Floats) -> Floats:
             [0.0, sin_a, -cos_a * cos_b],
         ]
     )
-
-
-def jacobian_by_euler(
-    rotation: Floats, translation: Floats, points_in_target: Floats, euler_rad: Floats
-) -> Floats:
-    """Differentiate by (alpha, beta, gamma, t_x, t_y, t_z): the J of equation 14.
-
-    Parameters
-    ----------
-    rotation : (3, 3) array
-        ``R_cam_from_target``.
-    translation : (3,) array, m
-    points_in_target : (n, 3) array, m
-    euler_rad : (3,) array, rad
-        The angles of ``rotation``.
-
-    Returns
-    -------
-    (n, 2, 6) array, per rad and per m.
-    """
-    jacobian = jacobian_by_turn(rotation, translation, points_in_target)
-    jacobian[:, :, :3] = jacobian[:, :, :3] @ turn_from_euler_rates(euler_rad)
-    return jacobian

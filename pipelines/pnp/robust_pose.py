@@ -8,14 +8,14 @@ from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.match import Match, Solution
-from pipelines.chaser_fixed.options import ChaserFixedOptions
 from pipelines.pnp.consistency import common_variance_px2, find_outliers
 from pipelines.pnp.covariance import pose_covariance, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose
+from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.mirrored_pose import DECISIVE_CHI2, mirrored_pose, misfit, rival_of
+from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.problem import PnpProblem
-from pipelines.tracking.motion_prediction import PredictedPose
+from pipelines.pnp.solver_options import MatchOptions
 
 REWEIGHTINGS = 2
 BEHIND = "the solver put markers behind the camera"
@@ -38,7 +38,7 @@ def residuals_px(
 
 
 def _problem(
-    camera: Camera, markers: MarkerPattern, match: Match, options: ChaserFixedOptions
+    camera: Camera, markers: MarkerPattern, match: Match, options: MatchOptions
 ) -> PnpProblem:
     points = markers.points_in_target[match.marker]
     if options.solver.parametrisation == "euler_321":
@@ -52,7 +52,7 @@ def solve_match(
     match: Match,
     start: RigidTransform,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
     predicted: PredictedPose | None = None,
 ) -> Solution | str:
     """Solve for the pose; where the matches allow two and nothing tells which, for none.
@@ -66,7 +66,7 @@ def solve_match(
         Guess of ``cam_from_target``.
     radius_px : float, px
         Expected radius of a marker's image.
-    options : ChaserFixedOptions
+    options : MatchOptions
     predicted : PredictedPose, optional
         Decides between two poses that the matches fit alike.
 
@@ -87,7 +87,7 @@ def _unambiguous(
     match: Match,
     found: Solution,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
     predicted: PredictedPose | None,
 ) -> Solution | str:
     """Look for the mirrored pose, and return the better of the two if one is clearly better."""
@@ -122,7 +122,7 @@ def _solved_from(
     match: Match,
     start: RigidTransform,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> Solution | str:
     if len(match) < options.min_markers:
         return (
@@ -155,7 +155,7 @@ def _reweighted(
     match: Match,
     used: Mask,
     pose: RigidTransform,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> tuple[Match, RigidTransform]:
     """Widen the covariances where the residuals ask for it, and solve again."""
     wider = match
@@ -178,7 +178,7 @@ def _checked(
     problem: PnpProblem,
     pose: RigidTransform,
     radius_px: float,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> Solution | str:
     left = residuals_px(camera, markers, match, pose)[used]
     if not np.isfinite(left).all():
@@ -203,7 +203,7 @@ def _measured_scale(
     problem: PnpProblem,
     pose: RigidTransform,
     covariance: Floats,
-    options: ChaserFixedOptions,
+    options: MatchOptions,
 ) -> tuple[Floats, Match]:
     """Without weights the residuals alone tell what a centroid is worth (Gavin 2020, eq. 20)."""
     focal_px = 0.5 * (camera.fx + camera.fy)

@@ -13,8 +13,8 @@ import numpy as np
 from models.arrays import Floats, Indices
 from models.camera import Camera
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.identification import one_to_one
 from pipelines.pnp.gauss_newton import gauss_newton_step, linearised
+from pipelines.pnp.identification import one_to_one
 
 MOST_ROUNDS = 12
 RESTED = 1e-6  # of the last step, in radians and in shares of the range; what is left is its square

@@ -92,7 +92,16 @@ class ImagePoseFinder:
         return self._said(frame, image, outcome.found.fit, outcome.found.check)
 
     def track(self, frame: ImageFrame, predicted: RigidTransform, covariance: Floats) -> Estimate:
-        """Find the pose near a predicted one."""
+        """Find the pose near a predicted one.
+
+        Parameters
+        ----------
+        frame : ImageFrame
+        predicted : RigidTransform
+            ``cam_from_target``.
+        covariance : (6, 6) array, rad and m
+            Of the prediction: rotation first, as in ``RigidTransform.perturbed``.
+        """
         if self._by_points is not None:
             return self._by_points.track(self._points(frame), predicted, covariance)
         image = self._edge_image(frame)

@@ -160,7 +160,7 @@ class UncooperativeKnowledge:
         """
         expected = needed(onboard.expectations, "knowledge.toml", NAME)
         return cls(
-            camera=onboard.camera,
+            camera=needed(onboard.camera, "camera.toml", NAME),
             target=needed(onboard.wireframe, "wireframe.json", NAME),
             cam_from_lvlh=expected.cam_from_lvlh,
             sigma_px=expected.sigma_px,

@@ -61,7 +61,16 @@ class PointPoseFinder:
         return self._raw_estimate(frame, found.pose, found.matched)
 
     def track(self, frame: PointFrame, predicted: RigidTransform, covariance: Floats) -> Estimate:
-        """Find the pose near a predicted one."""
+        """Find the pose near a predicted one.
+
+        Parameters
+        ----------
+        frame : PointFrame
+        predicted : RigidTransform
+            ``cam_from_target``.
+        covariance : (6, 6) array, rad and m
+            Of the prediction: rotation first, as in ``RigidTransform.perturbed``.
+        """
         if len(frame.points_px) < 4:
             return self._none(frame, f"{len(frame.points_px)} corners in the image, 4 are needed")
         landmarks = self._shown(predicted)

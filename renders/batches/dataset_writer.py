@@ -23,7 +23,9 @@ from models.dataset.description import (
 )
 from models.dataset.frame_table import FrameEntry, frames_to_csv, read_frame_entries
 from models.dataset.image_file import encode_image
+from models.dataset.marker_file import markers_to_toml
 from models.errors import DatasetError
+from models.markers import MarkerPattern
 from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
 from renders.store.radiance_store import KEY, RadianceStore
@@ -84,7 +86,17 @@ def check_folder(folder: Path, info: DatasetInfo) -> None:
 
 
 def image_path(folder: Path, index: int, band: int) -> Path:
-    """Return where the image of one exposure lies in a dataset."""
+    """Return where the image of one exposure lies in a dataset.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset.
+    index : int
+        Of the frame.
+    band : int
+        800, 850 or ``FILTERED``.
+    """
     return folder / "frames" / f"{exposure_name(index, band)}.png"
 
 
@@ -117,6 +129,8 @@ class DatasetWriter:
         The exposures of a frame, in order of time.
     clock : ToldClock
         That on board, by which ``frames.csv`` goes.
+    installed : MarkerPattern or None
+        The markers as they are, where those on board are told otherwise.
     """
 
     folder: Path
@@ -127,6 +141,7 @@ class DatasetWriter:
     scenario_toml: str
     bands: tuple[int, ...]
     clock: ToldClock = EXACT_CLOCK
+    installed: MarkerPattern | None = None
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -146,6 +161,8 @@ class DatasetWriter:
             "truth/parts.json": json.dumps(self.labels) + "\n",
             "truth/scenario.toml": self.scenario_toml,
         }
+        if self.installed is not None:
+            texts["truth/markers.toml"] = markers_to_toml(self.installed)
         for name, text in texts.items():
             write_text(self.folder / name, text)
         self.write_frames()
@@ -167,20 +184,9 @@ class DatasetWriter:
         """Return where one exposure's depth and normals lie."""
         return self.folder / "truth" / "geometry" / f"{exposure_name(frame, band)}.exr"
 
-    def windows_path(self, frame: int, band: int) -> Path:
-        """Return where one exposure's marker windows lie, if they are kept."""
-        return self.folder / "truth" / "marker_windows" / f"{exposure_name(frame, band)}.exr"
-
-    def has_exposure(self, frame: int, band: int, windows: bool = False) -> bool:
-        """Tell whether everything of an exposure is there; its image is written last.
-
-        Parameters
-        ----------
-        frame, band : int
-        windows : bool
-            Its marker windows, too.
-        """
-        return (not windows or self.windows_path(frame, band).is_file()) and (
+    def has_exposure(self, frame: int, band: int) -> bool:
+        """Tell whether everything of an exposure is there; its image is written last."""
+        return (
             is_whole_png(image_path(self.folder, frame, band))
             and is_whole_png(self.labels_path(frame, band))
             and _ends_with(self.truth_path(frame, band), RECORD_END)
@@ -188,13 +194,30 @@ class DatasetWriter:
         )
 
     def write_exposure(self, image: Image, truth: SealedRecord) -> None:
-        """Write an exposure's truth and then its image; the pixel truth must be there already."""
+        """Write an exposure's truth and then its image; the pixel truth must be there already.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        truth : SealedRecord
+            It says which exposure.
+        """
         text = json.dumps(truth.to_json()) + "\n"
         write_text(self.truth_path(truth.frame, truth.band), text)
         write_bytes(image_path(self.folder, truth.frame, truth.band), encode_image(image))
 
     def write_pixel_truth(self, frame: int, band: int, truth: PixelTruth, key: str) -> None:
-        """Write labels, depth (float) and normals (half) of an exposure, as the store has them."""
+        """Write labels, depth (float) and normals (half) of an exposure, as the store has them.
+
+        Parameters
+        ----------
+        frame : int
+        band : int
+            800, 850 or ``FILTERED``.
+        truth : PixelTruth
+        key : str
+            Under which the store has labels, depth and normals of this exposure.
+        """
         normals = truth.normals_in_target.astype(np.float16)
         channels: dict[str, AnyArray] = {
             "Z": truth.depth_m,
@@ -208,6 +231,15 @@ class DatasetWriter:
 
     def take_pixel_truth(self, frame: int, band: int, store: RadianceStore, key: str) -> bool:
         """Take labels, depth and normals of an exposure from a store.
+
+        Parameters
+        ----------
+        frame : int
+        band : int
+            800, 850 or ``FILTERED``.
+        store : RadianceStore
+        key : str
+            Of its entry.
 
         Returns
         -------

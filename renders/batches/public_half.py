@@ -55,7 +55,14 @@ def public_files(world: World, run: int = 0) -> dict[str, str]:
 
 
 def table_readings(world: World, sensor: TableSensor, run: int) -> list[tuple[int, TableReading]]:
-    """Return what a sensor gives in a run, by frame; its times are those of the clock on board."""
+    """Return what a sensor gives in a run, by frame; its times are those of the clock on board.
+
+    Parameters
+    ----------
+    world : World
+    sensor : TableSensor
+    run : int
+    """
     times_s = world.scenario.times_s
     clock = world.clock(run)
     return [

@@ -16,7 +16,7 @@ from rich.console import Console
 from models.atomic_file import write_text
 from models.dataset.frame_table import FrameEntry
 from models.dataset.image_file import read_image
-from models.errors import DatasetError, ScenarioError
+from models.errors import DatasetError
 from models.plain_console import plain_console
 from models.pose import RigidTransform
 from renders.batches.dataset_writer import (
@@ -34,12 +34,12 @@ from renders.detector.exposure_control import ExposureControl
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.store.claims import Claim
 from renders.store.kept_light import checked_budget, keeping
-from renders.store.kept_windows import windows_by_marker, write_windows
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
+from renders.world.told import markers_are_told_otherwise
 from renders.world.world import World
 
 
@@ -64,7 +64,6 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     info = dataset_info(world)
     check_folder(request.out, info)
     kept, limit_bytes = keeping(request), checked_budget(request, world)
-    _check_markers(request, world)
     known = public_files(world)
     world.check_poses()
     control = ExposureControl(world, world.onboard(0).prior)
@@ -77,13 +76,19 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     from renders.tracing.scene import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
-    toml, clock = world.scenario.to_toml(), world.clock(0)
     writer = DatasetWriter(
-        request.out, info, known, control.entries, labels, toml, world.bands, clock
+        request.out,
+        info,
+        known,
+        control.entries,
+        labels,
+        world.scenario.to_toml(),
+        world.bands,
+        world.clock(0),
+        world.target.markers if markers_are_told_otherwise(world.scenario.told) else None,
     )
     poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
-    windows = kept.keeps_windows
-    is_there = {e: writer.has_exposure(e.frame, e.band, windows) for e in world.exposures}
+    is_there = {e: writer.has_exposure(e.frame, e.band) for e in world.exposures}
     there = [e for e in world.exposures if is_there[e]]
     left = [e for e in world.exposures if not is_there[e]]
     light = {(e.frame, e.band): studio.group_keys(e, poses[e]) for e in world.exposures}
@@ -132,15 +137,6 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     writer.finish()
 
 
-def _check_markers(request: RenderRequest, world: World) -> None:
-    """Refuse to keep the windows of markers where there are none."""
-    if request.keep_light == "markers" and world.target.markers is None:
-        raise ScenarioError(
-            f"expected --keep-light all or none: {world.target.name} is seen without markers, "
-            "got markers"
-        )
-
-
 def _entry(control: ExposureControl, writer: DatasetWriter, frame: int) -> FrameEntry:
     """Return a frame's row; what is metered on the way is written down before it is used."""
     known, band = len(control.entries), writer.bands[-1]
@@ -157,14 +153,7 @@ def _render_exposure(
     cam_from_target: RigidTransform,
     exposure_ms: float,
 ) -> None:
-    if studio.kept.keeps_windows:
-        by_name = studio.every_group(exposure, cam_from_target)
-        assert studio.markers is not None
-        windows = windows_by_marker(studio.markers, studio.world.camera, cam_from_target)
-        write_windows(writer.windows_path(exposure.frame, exposure.band), windows, by_name)
-        groups = {group: by_name[group.name] for group in studio.world.lit_by(exposure)}
-    else:
-        groups = studio.light(exposure, cam_from_target)
+    groups = studio.light(exposure, cam_from_target)
     _put_pixel_truth(studio, writer, exposure, cam_from_target)
     depth_m = read_depth(studio.world, writer.folder, exposure)
     image = compose(studio.world, groups, exposure, exposure_ms, 0, depth_m)
@@ -179,5 +168,5 @@ def _put_pixel_truth(
     if writer.take_pixel_truth(*place, studio.store, key):
         return
     writer.write_pixel_truth(*place, studio.pixel_truth(cam_from_target), key)
-    if studio.kept.keeps_whole(exposure.frame):
+    if studio.kept.keeps(exposure.frame):
         studio.store.take(key, writer.geometry_path(*place))

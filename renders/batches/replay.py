@@ -38,7 +38,21 @@ MOST_RECORD_BYTES = 2000 * MEGABYTE  # 64 digits a key, some keys an exposure
 def read_groups(
     store: RadianceStore, world: World, exposure: Exposure, keys: Mapping[str, str]
 ) -> dict[LightGroup, Radiance] | None:
-    """Read what lights one exposure, or None if an entry is absent or damaged."""
+    """Read what lights one exposure.
+
+    Parameters
+    ----------
+    store : RadianceStore
+    world : World
+    exposure : Exposure
+    keys : mapping of str to str
+        The store's, by group name.
+
+    Returns
+    -------
+    dict of LightGroup to (height, width) float32 arrays, W m-2 sr-1, or None
+        None if an entry is absent or damaged.
+    """
     groups: dict[LightGroup, Radiance] = {}
     for group in world.lit_by(exposure):
         radiance = store.read(keys[group.name]) if group.name in keys else None
@@ -49,12 +63,24 @@ def read_groups(
 
 
 def read_depth(world: World, folder: Path, exposure: Exposure) -> Radiance | None:
-    """Return the depth of an exposure's pixels, m, from a dataset; None if nothing needs it.
+    """Return the depth of an exposure's pixels from a dataset.
+
+    Parameters
+    ----------
+    world : World
+    folder : Path
+        The dataset.
+    exposure : Exposure
+
+    Returns
+    -------
+    (height, width) float32 array, m, or None
+        0 in space; None if nothing needs it.
 
     Raises
     ------
     DatasetError
-        If it needs them and they are absent or damaged.
+        If it is needed, and absent or damaged.
     """
     if not world.scenario.needs_depth:
         return None
@@ -73,7 +99,15 @@ def light_record(
     keys: Mapping[tuple[int, int], Mapping[str, str]],
     kept: LightKeeping = ALL_LIGHT,
 ) -> str:
-    """Return the text of ``truth/light.json``."""
+    """Return the text of ``truth/light.json``.
+
+    Parameters
+    ----------
+    store : RadianceStore
+    keys : mapping of (int, int) to mapping of str to str
+        By frame and band: the store's keys, by group name.
+    kept : LightKeeping
+    """
     exposures = {exposure_name(frame, band): dict(names) for (frame, band), names in keys.items()}
     table = {"store": str(store.folder.resolve()), "exposures": exposures}
     if kept != ALL_LIGHT:
@@ -108,6 +142,15 @@ def lit_otherwise(
     """Return those of the rendered exposures whose light is on record with other keys.
 
     Another variant or another version of the house made them; a folder without a record has none.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset.
+    keys : mapping of (int, int) to mapping of str to str
+        As for ``light_record``, of all exposures that were rendered at least.
+    rendered : iterable of (int, int)
+        Frames and bands.
     """
     try:
         _, recorded = read_light_record(folder)

@@ -52,7 +52,13 @@ class Steered:
     known: dict[float, RigidTransform] = field(default_factory=dict)
 
     def cam_from_target(self, time_s: float) -> RigidTransform:
-        """Return the true pose."""
+        """Return the true pose.
+
+        Raises
+        ------
+        ScenarioError
+            If what was called for a pose gave something else.
+        """
         if time_s not in self.known:
             pose = self.pose if isinstance(self.pose, RigidTransform) else self.pose(time_s)
             if not isinstance(pose, RigidTransform):
@@ -82,11 +88,11 @@ class WithSunAt:
         return list(self.sun_dir_in_target)
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return where the Earth stands."""
+        """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
         return self.turning.earth_at(time_s)
 
     def target_from_icrs(self, time_s: float) -> Floats:
-        """Return how the target stands among the stars."""
+        """Return the (3, 3) rotation of the target among the stars."""
         return self.turning.target_from_icrs(time_s)
 
 

@@ -59,7 +59,12 @@ class Studio:
     def light(
         self, exposure: Exposure, cam_from_target: RigidTransform
     ) -> dict[LightGroup, Radiance]:
-        """Return what lights an exposure's frame, from the store or traced now."""
+        """Return what lights an exposure's frame, from the store or traced now.
+
+        Returns
+        -------
+        dict of LightGroup to (height, width) float32 arrays, W m-2 sr-1
+        """
         keys = self.group_keys(exposure, cam_from_target)
         there = read_groups(self.store, self.world, exposure, keys)
         if there is not None:
@@ -67,24 +72,13 @@ class Studio:
         images = self._traced_and_kept(exposure, cam_from_target, keys)
         return {group: images[group.name] for group in self.world.lit_by(exposure)}
 
-    def every_group(
-        self, exposure: Exposure, cam_from_target: RigidTransform
-    ) -> dict[str, Radiance]:
-        """Return all groups of an exposure by name, from the store or traced now."""
-        keys = self.group_keys(exposure, cam_from_target)
-        there = {name: self.store.read(key) for name, key in keys.items()}
-        images = {name: image for name, image in there.items() if image is not None}
-        if len(images) == len(keys):
-            return images
-        return self._traced_and_kept(exposure, cam_from_target, keys)
-
     def _traced_and_kept(
         self, exposure: Exposure, cam_from_target: RigidTransform, keys: dict[str, str]
     ) -> dict[str, Radiance]:
         """Trace all groups; rounded as in the store, so that frames are the same to the bit."""
         traced = self.trace(exposure, cam_from_target, self.world.groups(exposure))
         halves = {name: as_half(image) for name, image in traced.items()}
-        if self.kept.keeps_whole(exposure.frame):
+        if self.kept.keeps(exposure.frame):
             self.store.write_all({keys[name]: half for name, half in halves.items()})
             for group in self.world.lit_by(exposure):
                 self._check_kept(keys[group.name], halves[group.name])
@@ -105,7 +99,18 @@ class Studio:
         cam_from_target: RigidTransform,
         groups: Sequence[LightGroup],
     ) -> dict[str, Radiance]:
-        """Trace groups in one pass; nothing is stored."""
+        """Trace groups in one pass; nothing is stored.
+
+        Parameters
+        ----------
+        exposure : Exposure
+        cam_from_target : RigidTransform
+        groups : sequence of LightGroup
+
+        Returns
+        -------
+        dict of (height, width) float32 arrays, W m-2 sr-1, by group name.
+        """
         from renders.tracing.radiance import Sampling, render_radiance
 
         self.build(cam_from_target)

@@ -64,7 +64,16 @@ class Batch:
 
 
 def scenario_at(scenario: Scenario, time_s: float, sun: str | None = None) -> Scenario:
-    """Return a scenario of one frame: its 850 nm exposure at ``time_s``, under a Sun if given."""
+    """Return a scenario of one frame.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    time_s : float, s
+        To which its frame is stamped: the 850 nm exposure of a pair.
+    sun : str, optional
+        Name of its Sun; the scenario's own unless given.
+    """
     motion = scenario.motion.model_copy(update={"start_s": time_s, "end_s": time_s})
     shining = scenario.sun if sun is None else scenario.sun.model_copy(update={"default": sun})
     return scenario.model_copy(update={"motion": motion, "sun": shining})
@@ -221,7 +230,13 @@ class PoseLight:
             self.studio.store.write_all({each.key: images[each.group.name] for each in lit})
 
     def depth_m(self, band: int) -> Radiance:
-        """Trace the depth of each pixel in one exposure, m, 0 in space: a lens's focus needs it."""
+        """Trace the depth of each pixel in one exposure: a lens's focus needs it.
+
+        Returns
+        -------
+        (height, width) float32 array, m
+            0 in space.
+        """
         return self.studio.pixel_truth(self.poses[band]).depth_m
 
     @cached_property

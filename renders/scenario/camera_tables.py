@@ -47,11 +47,11 @@ class CameraTable(Table):
     rendered_width: int | None = Field(
         None, ge=64, le=8192, description="columns that are rendered of a camera of your own"
     )
-    k1: Radial = 0.0
-    k2: Radial = 0.0
-    p1: Tangential = 0.0
-    p2: Tangential = 0.0
-    k3: Radial = 0.0
+    k1: Radial = Field(0.0, description="radial distortion, r^2: Brown-Conrady, in OpenCV's sense")
+    k2: Radial = Field(0.0, description="radial distortion, r^4")
+    p1: Tangential = Field(0.0, description="tangential distortion")
+    p2: Tangential = Field(0.0, description="tangential distortion")
+    k3: Radial = Field(0.0, description="radial distortion, r^6")
 
     @model_validator(mode="before")
     @classmethod
@@ -64,32 +64,52 @@ class CameraTable(Table):
 class OpticsTable(Table):
     """The lens; see ``models.sensors.camera_chip.Optics``."""
 
-    f_number: float = Field(16.0, ge=0.5, le=1000, description="no lens is below 0.5")
-    transmission: float = Field(0.8, ge=1e-4, le=1)
-    psf_sigma_px: float = Field(0.5, ge=0, le=50, description="on the native 13.5 um pixel")
-    vignetting: bool = True
+    f_number: float = Field(
+        16.0, ge=0.5, le=1000, description="focal length over aperture; no lens is below 0.5"
+    )
+    transmission: float = Field(
+        0.8, ge=1e-4, le=1, description="of lens and filter, within the passband"
+    )
+    psf_sigma_px: float = Field(
+        0.5, ge=0, le=50, description="1-sigma of the blur, on the chip's own pixel"
+    )
+    vignetting: bool = Field(
+        True, description="whether light falls with the fourth power of the cosine off axis"
+    )
     focus_m: float = Field(
         0.0, ge=0, le=1e6, description="depth that is sharp; 0: sharp at any depth"
     )
     veiling_glare: float = Field(0.0, ge=0, le=0.5, description="share of the scene's light")
     veiling_glare_px: float = Field(
-        400.0, ge=20, le=1e5, description="how wide, on the native pixel"
+        400.0, ge=20, le=1e5, description="how wide, on the chip's own pixel"
     )
 
 
 class DetectorTable(Table):
     """The chip; see ``models.sensors.camera_chip.Detector``."""
 
-    pixel_pitch_um: float = Field(13.5, ge=0.1, le=1000, description="at 2048 columns")
-    quantum_efficiency: float = Field(0.5, ge=1e-4, le=1)
-    prnu: float = Field(0.005, ge=0, le=0.5)
-    dark_current_e_s: float = Field(20.0, ge=0, le=1e7)
-    full_well_e: float = Field(100_000.0, ge=100, le=1e8)
-    blooming: float = Field(0.0, ge=0, le=1)
-    read_noise_e: float = Field(12.0, ge=0, le=1e5)
-    gain_e_dn: float = Field(26.0, ge=1e-3, le=1e6)
-    bias_dn: float = Field(100.0, ge=0, le=65_535)
-    bits: int = Field(12, ge=8, le=16)
+    pixel_pitch_um: float = Field(
+        13.5, ge=0.1, le=1000, description="a preset's at 2048 columns; your own camera's as typed"
+    )
+    quantum_efficiency: float = Field(0.5, ge=1e-4, le=1, description="in the passband")
+    prnu: float = Field(
+        0.005,
+        ge=0,
+        le=0.5,
+        description="pixel response non-uniformity, 1-sigma, relative; fixed for a chip",
+    )
+    dark_current_e_s: float = Field(20.0, ge=0, le=1e7, description="of a pixel")
+    full_well_e: float = Field(100_000.0, ge=100, le=1e8, description="charge that a pixel holds")
+    blooming: float = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="share of the charge beyond it that spills to the pixels above and below",
+    )
+    read_noise_e: float = Field(12.0, ge=0, le=1e5, description="1-sigma of each reading")
+    gain_e_dn: float = Field(26.0, ge=1e-3, le=1e6, description="electrons a number")
+    bias_dn: float = Field(100.0, ge=0, le=65_535, description="level without light")
+    bits: int = Field(12, ge=8, le=16, description="of the converter")
 
 
 class LensScatterTable(Table):
@@ -98,12 +118,16 @@ class LensScatterTable(Table):
     peak_1_sr: float = Field(
         0.0, ge=0, le=1e6, description="towards the Sun; some 10 for a clean lens"
     )
-    shoulder_deg: float = Field(0.6, gt=0.01, le=30)
-    slope: float = Field(2.0, ge=0.01, le=4)
+    shoulder_deg: float = Field(
+        0.6, gt=0.01, le=30, description="from the Sun; within it the scatter is level"
+    )
+    slope: float = Field(2.0, ge=0.01, le=4, description="power with which it falls outside")
     hood_deg: float = Field(
         90.0, ge=0.01, le=90, description="off axis; the hood shades a Sun beyond"
     )
-    hood_leak: float = Field(0.0, ge=0, le=1)
+    hood_leak: float = Field(
+        0.0, ge=0, le=1, description="share of the scatter that is left behind the hood"
+    )
 
 
 class RadiationTable(Table):
@@ -135,7 +159,9 @@ class ExposureTable(Table):
     ``renders.world.exposure_plan``.
     """
 
-    mode: Literal["schedule", "auto", "fixed", "table"] = "schedule"
+    mode: Literal["schedule", "auto", "fixed", "table"] = Field(
+        "schedule", description="how exposure times are set"
+    )
     marker_fill: float = Field(
         0.6, ge=1e-3, le=1, description="schedule: share of full well, on axis"
     )

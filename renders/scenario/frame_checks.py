@@ -52,6 +52,16 @@ def refuse_what_has_no_effect(
 ) -> None:
     """Refuse tables, or keys of them, that differ from their defaults.
 
+    Parameters
+    ----------
+    scenario : Scenario
+    unused : dict of str to tuple of str or None
+        By table: its keys without effect, or None for all.
+    what : str
+        With which they have none: ``[tumble]``.
+    where : str
+        The scenario, for the message.
+
     Raises
     ------
     ScenarioError

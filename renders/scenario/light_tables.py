@@ -18,9 +18,11 @@ class LampsTable(Table):
     intensity_w_sr: float = Field(
         12.0, ge=1e-6, le=1e6, description="on axis, all LEDs of a wavelength"
     )
-    count: int = Field(8, ge=1, le=64)
-    radius_m: float = Field(0.03, ge=1e-4, le=0.05)
-    half_intensity_deg: float = Field(25.0, ge=0.1, lt=90)
+    count: int = Field(8, ge=1, le=64, description="LEDs of a wavelength")
+    radius_m: float = Field(0.03, ge=1e-4, le=0.05, description="of the ring about the lens")
+    half_intensity_deg: float = Field(
+        25.0, ge=0.1, lt=90, description="off axis; where the intensity has fallen to half"
+    )
 
 
 class SunTable(Table):
@@ -37,9 +39,11 @@ class SunTable(Table):
 class RetroreflectorTable(Table):
     """The effective retroreflective disc; see ``renders.tracing.retroreflector``."""
 
-    half_angle_deg: float = Field(2.0, gt=0.2, lt=10)
-    returned_850: float = Field(0.6, ge=0, le=1)
-    returned_800: float = Field(0.002, ge=0, le=1)
+    half_angle_deg: float = Field(2.0, gt=0.2, lt=10, description="of the lobe that goes back")
+    returned_850: float = Field(0.6, ge=0, le=1, description="share of 850 nm light that goes back")
+    returned_800: float = Field(
+        0.002, ge=0, le=1, description="share of 800 nm light that goes back"
+    )
 
 
 class EarthTable(Table):
@@ -49,18 +53,22 @@ class EarthTable(Table):
     direction: Triple = Field(
         (0.0, 0.0, -1.0), description="towards its centre, target frame; length does not matter"
     )
-    orbit_radius_km: float = Field(GEO_RADIUS_KM, gt=EARTH_RADIUS_KM, le=1e6)
-    albedo: float = Field(ALBEDO, ge=0, le=1)
+    orbit_radius_km: float = Field(
+        GEO_RADIUS_KM, gt=EARTH_RADIUS_KM, le=1e6, description="from its centre to the target"
+    )
+    albedo: float = Field(ALBEDO, ge=0, le=1, description="share of sunlight that it returns")
 
 
 class FloodlightTable(Table):
     """A lamp on the chaser, in the camera's passband, for a target without markers."""
 
     intensity_w_sr: float = Field(0.0, ge=0, le=1e6, description="on axis; 0 is off")
-    centre_in_cam: Triple = Field((0.3, 0.0, 0.0), description="m")
-    radius_m: float = Field(0.03, ge=1e-4, le=0.5)
-    count: int = Field(8, ge=1, le=64)
-    half_intensity_deg: float = Field(25.0, ge=0.1, lt=90)
+    centre_in_cam: Triple = Field((0.3, 0.0, 0.0), description="its middle, m, camera axes")
+    radius_m: float = Field(0.03, ge=1e-4, le=0.5, description="of its ring of LEDs")
+    count: int = Field(8, ge=1, le=64, description="LEDs")
+    half_intensity_deg: float = Field(
+        25.0, ge=0.1, lt=90, description="off axis; where the intensity has fallen to half"
+    )
 
 
 def check_earth(table: EarthTable, where: str) -> None:

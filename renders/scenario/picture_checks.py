@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from models.errors import ScenarioError
+from renders.scenario.motion_choice import table_motion_of
 
 if TYPE_CHECKING:
     from renders.scenario.scenario import Scenario
@@ -44,5 +45,8 @@ def check_picture(scenario: Scenario, where: str) -> None:
 def _longest_ms(scenario: Scenario) -> float:
     """Return the longest that an exposure may be, ms; on schedule none lasts into the next."""
     table = scenario.exposure
+    if table.mode == "table":
+        motion = table_motion_of(scenario)
+        return max(motion.exposure_ms(time_s) for time_s in scenario.times_s)
     known = {"fixed": table.exposure_ms, "auto": table.max_ms}
     return known.get(table.mode, scenario.motion.pair_gap_ms)

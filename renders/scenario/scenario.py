@@ -20,7 +20,6 @@ from models.camera import Camera
 from models.errors import ScenarioError, UnreadableError, cause
 from models.reading.bounds import MOST_NAME
 from models.reading.options import check_option
-from models.reading.regular_file import MEGABYTE
 from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
@@ -39,7 +38,7 @@ from renders.scenario.camera_tables import (
     check_focus,
     check_lens,
 )
-from renders.scenario.embedded_files import with_files_read
+from renders.scenario.embedded_files import MOST_SCENARIO_BYTES, with_files_read
 from renders.scenario.errors import explain
 from renders.scenario.frame_checks import check_frames
 from renders.scenario.light_tables import (
@@ -78,7 +77,6 @@ OPTIONS = {
 }
 """Which option stands for which key."""
 MOST_THREADS = 512
-MOST_SCENARIO_BYTES = 32 * MEGABYTE  # a table of poses among it
 SHAPING_NOTHING = {"description", "limits", "asked"}  # prose, and what is asked
 
 
@@ -90,15 +88,20 @@ class RenderTable(Table):
         4096, ge=1, le=65_536, description="per pixel in the marker windows"
     )
     max_depth: int = Field(4, ge=1, le=32, description="surface interactions of a path")
-    seed: int = Field(1, ge=0, le=2**63 - 1)
+    seed: int = Field(
+        1,
+        ge=0,
+        le=2**63 - 1,
+        description="of the Monte-Carlo noise, and of the chaser's navigation",
+    )
 
 
 class Scenario(Table):
     """Everything that shapes a dataset: of image pairs, or of single images if it tumbles."""
 
-    name: Name
-    description: Prose = ""
-    target: Name = "maxar1300"
+    name: Name = Field(description="of the case")
+    description: Prose = Field("", description="prose for its reader")
+    target: Name = Field("maxar1300", description="maxar1300, xmm or hispasat")
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
     detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
@@ -215,7 +218,7 @@ class RenderRequest:
     store_budget_gb : float, optional
         What the store may take of the disk; see ``renders.store.budget``.
     keep_light : str
-        all, markers or none; see ``renders.store.kept_light``.
+        all, some or none; see ``renders.store.kept_light``.
     keep_every : int, optional
         With ``markers``, frames from one whole frame to the next.
     threads : int, optional
@@ -233,7 +236,7 @@ class RenderRequest:
     seeds: int = 1
     store: Path | None = None
     store_budget_gb: float | None = None
-    keep_light: Literal["all", "markers", "none"] = "all"
+    keep_light: Literal["all", "some", "none"] = "all"
     keep_every: int | None = None
     threads: int | None = None
 

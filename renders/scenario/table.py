@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 from models.reading.bounds import MOST_NAME, MOST_PROSE
+from models.reading.shown import is_plain, reads_as_written
 
 
 class Table(BaseModel):
@@ -21,13 +22,13 @@ class Table(BaseModel):
 
 
 def _printable(text: str) -> str:
-    if not text.replace("\n", "").replace("\t", "").isprintable():
+    if not is_plain(text, lines=True) or not reads_as_written(text):
         raise PydanticCustomError("not_printable", "it has characters that cannot be printed")
     return text
 
 
 def _on_one_line(text: str) -> str:
-    if not text.isprintable() or not text.strip():
+    if not is_plain(text) or not reads_as_written(text) or not text.strip():
         raise PydanticCustomError("not_a_name", "it is no printable text on one line")
     return text
 

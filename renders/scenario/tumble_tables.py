@@ -39,10 +39,10 @@ class OrbitTable(Table):
     """The chaser's orbit; see ``models.motion.kepler_orbit``."""
 
     a_km: float = Field(gt=6478.137, le=1e6, description="semi-major axis")
-    e: float = Field(0.0, ge=0, le=0.99)
-    i_deg: float = Field(0.0, ge=0, le=180)
-    raan_deg: Angle = 0.0
-    argument_of_perigee_deg: Angle = 0.0
+    e: float = Field(0.0, ge=0, le=0.99, description="eccentricity")
+    i_deg: float = Field(0.0, ge=0, le=180, description="inclination")
+    raan_deg: Angle = Field(0.0, description="right ascension of the ascending node")
+    argument_of_perigee_deg: Angle = Field(0.0, description="from the ascending node")
     true_anomaly_deg: Angle = Field(0.0, description="at time zero")
 
 
@@ -55,7 +55,9 @@ class OnboardTable(Table):
     chaser_sigma_m: float = Field(
         SIGMA_M, ge=0, le=1e6, description="per axis, of its own navigation"
     )
-    chaser_sigma_m_s: float = Field(SIGMA_M_S, ge=0, le=1000)
+    chaser_sigma_m_s: float = Field(
+        SIGMA_M_S, ge=0, le=1000, description="per axis, of its own navigation"
+    )
     knows_inertia: bool = Field(True, description="whether the filters get the target's inertia")
     range_m: Numbers = Field((), description="nearest and farthest, if any is known")
 

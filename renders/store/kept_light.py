@@ -1,8 +1,8 @@
 """What is kept of a run's light once its frames are exposed, and whether a budget can hold it.
 
 Thousands of exposures of eight groups outgrow any disk. A run streams: it traces, exposes and
-moves on. Detector frames and truth always stay; of the light all may, or the windows of the
-markers at every frame and whole groups at every so many, or nothing.
+moves on. Detector frames and truth always stay; of the light all may, or that of every so many
+frames, or nothing.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from renders.scenario.scenario import RenderRequest
 from renders.store.budget import GB, budget_bytes
 from renders.world.world import World
 
-What: TypeAlias = Literal["all", "markers", "none"]
-KEEP_EVERY = 10  # frames from one whole frame to the next, unless asked
+What: TypeAlias = Literal["all", "some", "none"]
+KEEP_EVERY = 10  # frames from one that keeps its light to the next, unless asked
 GROUP_BYTES, GEOMETRY_BYTES = 2, 12  # of a pixel: a half float; depth, a normal and a label
 HEADER_BYTES = 65536  # more than header and row table of any entry
 
@@ -28,22 +28,17 @@ class LightKeeping:
     Attributes
     ----------
     what : str
-        ``all``, ``markers`` or ``none``.
+        ``all``, ``some`` or ``none``.
     every : int
-        With ``markers``, frames from one whose groups are kept whole to the next.
+        With ``some``, frames from one whose groups are kept to the next.
     """
 
     what: What = "all"
     every: int = KEEP_EVERY
 
-    def keeps_whole(self, frame: int) -> bool:
-        """Tell whether whole groups of a frame go to the store."""
-        return self.what == "all" or (self.what == "markers" and frame % self.every == 0)
-
-    @property
-    def keeps_windows(self) -> bool:
-        """Whether the windows of the markers are kept at every frame."""
-        return self.what == "markers"
+    def keeps(self, frame: int) -> bool:
+        """Tell whether the groups of a frame go to the store."""
+        return self.what == "all" or (self.what == "some" and frame % self.every == 0)
 
     @property
     def uses_store(self) -> bool:
@@ -52,7 +47,7 @@ class LightKeeping:
 
     def __str__(self) -> str:
         """Return it as it is typed."""
-        every = f" --keep-every {self.every}" if self.keeps_windows else ""
+        every = f" --keep-every {self.every}" if self.what == "some" else ""
         return f"--keep-light {self.what}{every}"
 
 
@@ -68,16 +63,16 @@ def keeping(request: RenderRequest) -> LightKeeping:
         If its options contradict each other.
     """
     what, every, seeds = request.keep_light, request.keep_every, request.seeds
-    if every is not None and what != "markers":
+    if every is not None and what != "some":
         raise ScenarioError(
-            f"expected --keep-every only with --keep-light markers, got it with {what}"
+            f"expected --keep-every only with --keep-light some, got it with {what}"
         )
     if every is not None and every < 1:
         raise ScenarioError(f"expected --keep-every of at least 1, got {every}")
     if seeds > 1 and what != "all":
         raise ScenarioError(
             f"expected --keep-light all with --seeds {seeds}, got {what}: each run exposes every "
-            "frame again from its whole light groups; leave out one of the two"
+            "frame again from its light groups; leave out one of the two"
         )
     return LightKeeping(what, every or KEEP_EVERY)
 

@@ -45,6 +45,8 @@ def undistorted(camera: Camera, x: Any, y: Any, steps: int) -> tuple[Any, Any]:
     camera : Camera
     x, y : Float or float
         Distorted normalised image coordinates.
+    steps : int
+        Of Newton's method; see ``undistort_steps``.
     """
     if not camera.distorted:
         return x, y

@@ -85,7 +85,13 @@ def pixels_in_view(
 def in_sight(pieces: Iterable[Floats], camera: Camera, cam_from_target: RigidTransform) -> bool:
     """Tell whether any piece can be within the image; it may be hidden behind another.
 
-    The pieces are those of ``pixels_in_view``, the camera any.
+    Parameters
+    ----------
+    pieces : iterable of (n, 3) arrays, m
+        As in ``pixels_in_view``.
+    camera : Camera
+        Any: it may distort.
+    cam_from_target : RigidTransform
     """
     normalised = camera.normalise(_border(camera))
     (left, top), (right, bottom) = normalised.min(axis=0), normalised.max(axis=0)

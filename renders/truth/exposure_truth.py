@@ -9,7 +9,6 @@ contract), and never need it (a test).
         parts.json                        names of the labels: label k + 1 is part k, 0 is space
         labels/000000_850.png             part labels at pixel centres, uint8
         geometry/000000_850.exr           Z (m), NX, NY, NZ (target frame) at pixel centres
-        marker_windows/000000_850.exr     light groups around each marker, with --keep-light markers
         scenario.toml                     the scenario with every default resolved
 """
 
@@ -128,7 +127,7 @@ SHARES = ("visible", "lamp_lit", "sun_lit")
 
 
 def direction(record: Fields, key: str) -> Floats:
-    """Return a unit vector.
+    """Return a unit vector, (3,).
 
     Raises
     ------

@@ -29,7 +29,20 @@ def image_truth(
     motion: FreeMotion,
     wireframe: Wireframe,
 ) -> ImageTruth:
-    """Return the sealed record of an image."""
+    """Return the sealed record of an image.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        As it was for the exposure.
+    world : World
+    exposure : Exposure
+    cam_from_target : RigidTransform
+    motion : FreeMotion
+        Of the target and the chaser.
+    wireframe : Wireframe
+        Whose landmarks are looked for.
+    """
     towards_earth, _ = world.earth_at(exposure.time_s)
     towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
     points = wireframe.points_in_target
@@ -53,7 +66,18 @@ def posed_truth(
     cam_from_target: RigidTransform,
     wireframe: Wireframe | None,
 ) -> PosedTruth:
-    """Return the sealed record of an image at a given pose."""
+    """Return the sealed record of an image at a given pose.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        As it was for the exposure.
+    world : World
+    exposure : Exposure
+    cam_from_target : RigidTransform
+    wireframe : Wireframe or None
+        None where the target has none: the record then has no landmarks.
+    """
     towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
     landmarks_px, visible = np.empty((0, 2)), np.empty(0, dtype=np.bool_)
     if wireframe is not None:
@@ -72,7 +96,20 @@ def posed_truth(
 def seen_landmarks(
     scene: Any, wireframe: Wireframe, camera: Camera, cam_from_target: RigidTransform
 ) -> Mask:
-    """Tell which landmarks the image holds with nothing of the whole mesh before them, (m,)."""
+    """Tell which landmarks the image holds with nothing of the whole mesh before them.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+    wireframe : Wireframe
+        Of m landmarks.
+    camera : Camera
+    cam_from_target : RigidTransform
+
+    Returns
+    -------
+    (m,) array of bool
+    """
     in_cam = cam_from_target @ wireframe.points_in_target
     ahead = in_cam[:, 2] > CLEARANCE_M
     seen = ahead & camera.contains(np.nan_to_num(camera.project(in_cam), nan=-1e9))

@@ -19,6 +19,14 @@ def exposure_truth(
 ) -> ExposureTruth:
     """Return the sealed record of one exposure of a pair.
 
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        As it was for the exposure.
+    world : World
+    exposure : Exposure
+    cam_from_target : RigidTransform
+
     Raises
     ------
     ScenarioError

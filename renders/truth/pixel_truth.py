@@ -52,7 +52,18 @@ def pixel_truth(
     cam_from_target: RigidTransform,
     in_view: Mask | None = None,
 ) -> PixelTruth:
-    """Trace one ray through the centre of each pixel, or of each that can show anything."""
+    """Trace one ray through the centre of each pixel, or of each that can show anything.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        ``geometry`` loaded, with the chaser in its place.
+    geometry : SceneGeometry
+    camera : Camera
+    cam_from_target : RigidTransform
+    in_view : (height, width) array of bool, optional
+        Pixels that can show anything; rays beyond the window around them are saved.
+    """
     left, top, width, height = window_around(in_view, camera)
     film = {
         "type": "hdrfilm",
@@ -108,7 +119,18 @@ def disc_points(markers: MarkerPattern) -> Floats:
 
 
 def unoccluded(scene: Any, origins: Floats, towards: Floats) -> Mask:
-    """Tell which segments from ``origins`` to ``towards``, (n, 3) each, m, meet nothing."""
+    """Tell which segments meet nothing.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+    origins, towards : (n, 3) arrays, m
+        Where they begin and end, target frame.
+
+    Returns
+    -------
+    (n,) array of bool
+    """
     ways = towards - origins
     lengths = np.linalg.norm(ways, axis=1)
     ways = ways / lengths[:, None]
@@ -141,7 +163,18 @@ def marker_light(
     lamps: LedRing,
     suns: dict[str, tuple[float, float, float]],
 ) -> MarkerLight:
-    """Find how much of each marker the lens sees, the lamps reach and each Sun lights."""
+    """Find how much of each marker the lens sees, the lamps reach and each Sun lights.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+    markers : MarkerPattern
+    camera : Camera
+    cam_from_target : RigidTransform
+    lamps : LedRing
+    suns : dict of str to tuple of 3 floats
+        Unit vectors towards them, target frame, by name.
+    """
     points = disc_points(markers)
     count = len(markers)
     flat = points.reshape(-1, 3)
@@ -170,11 +203,22 @@ def marker_light(
 def outline_centres_px(
     markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform
 ) -> Floats:
-    """Return the centre of area of each marker's projected outline, (n, 2), px.
+    """Return the centre of area of each marker's projected outline.
 
     The outline is projected as a polygon of 256 corners, through distortion and all; its centroid
-    is that of the shoelace formula. NaN where any of it is not in front of the camera or lies
-    beyond the lens's fold.
+    is that of the shoelace formula.
+
+    Parameters
+    ----------
+    markers : MarkerPattern
+        Of n markers.
+    camera : Camera
+    cam_from_target : RigidTransform
+
+    Returns
+    -------
+    (n, 2) array, px
+        NaN where any of it is not in front of the camera or lies beyond the lens's fold.
     """
     angle = 2.0 * np.pi * np.arange(256) / 256
     centres = []

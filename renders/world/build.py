@@ -106,7 +106,7 @@ def _singles(scenario: Scenario) -> World:
             told=scenario.told,
         ),
         truth=OfPoses(wireframe),
-        checks=(outside_the_target,),
+        checks=(outside_the_target, shown_in_some_image),
     )
 
 

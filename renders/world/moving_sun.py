@@ -37,11 +37,11 @@ class WithSunOfTable:
         return sun
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return where the Earth stands."""
+        """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
         return self.turning.earth_at(time_s)
 
     def target_from_icrs(self, time_s: float) -> Floats:
-        """Return how the target stands among the stars."""
+        """Return the (3, 3) rotation of the target among the stars."""
         return self.turning.target_from_icrs(time_s)
 
 
@@ -66,11 +66,11 @@ class WithSunByDate:
         return self.turning.sun_in_target((x, y, z), time_s)
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return where the Earth stands."""
+        """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
         return self.turning.earth_at(time_s)
 
     def target_from_icrs(self, time_s: float) -> Floats:
-        """Return how the target stands among the stars."""
+        """Return the (3, 3) rotation of the target among the stars."""
         return self.turning.target_from_icrs(time_s)
 
 
@@ -96,7 +96,19 @@ def with_its_sun(
 
 
 def inertial_sun(scenario: Scenario, sun: SunGroup, time_s: float) -> Floats:
-    """Return the unit vector towards a Sun in the orbit's inertial axes, (3,)."""
+    """Return the unit vector towards a Sun in the orbit's inertial axes.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose epoch it is, where the Sun is that of the date.
+    sun : SunGroup
+    time_s : float, s
+
+    Returns
+    -------
+    (3,) array
+    """
     if sun.name == f"sun_{EPOCH}":
         return sun_dir_in_inertial(epoch_in(scenario), time_s)
     return np.array(sun.direction_in_target)

@@ -59,7 +59,7 @@ class FixedInTarget:
         return list(direction)
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return the Earth as typed."""
+        """Return the Earth as typed: (3,) unit vector to its centre, target frame; distance, km."""
         return unit_direction(self.earth.direction), self.earth.orbit_radius_km
 
     def target_from_icrs(self, time_s: float) -> Floats:
@@ -92,7 +92,7 @@ class TurningWithOrbit:
         return turned_into
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return where the Earth lies below."""
+        """Return where the Earth lies below: (3,) unit vector, target frame; distance, km."""
         position = self.motion.chaser_state(time_s).position_in_inertial
         distance = float(np.linalg.norm(position))
         down = self.motion.target_from_inertial(time_s) @ (-position / distance)

@@ -65,7 +65,14 @@ class ChaserNavigation:
     columns: tuple[str, ...] = CHASER_ORBIT_COLUMNS
 
     def reading(self, frame: int, time_s: float, since_s: float, run: int) -> TableReading:
-        """Return what the chaser believes of its own orbit at a frame."""
+        """Return what the chaser believes of its own orbit at a frame, one row.
+
+        Parameters
+        ----------
+        frame, time_s, run : as for ``TableSensor.reading``
+        since_s : float, s
+            Of no consequence.
+        """
         return corrupted(
             self.motion.chaser_state(time_s),
             seed=self.seed,

@@ -14,7 +14,7 @@ from models.camera import Camera
 from models.dataset.frame_table import FrameEntry
 from models.errors import ScenarioError
 from models.frame import TableReading
-from models.onboard import OnboardKnowledge
+from models.onboard import OnboardKnowledge, needed
 from renders.scenario.told_tables import (
     CalibrationTable,
     Difference,
@@ -66,14 +66,16 @@ def told(
     ScenarioError
         If the run's draw gives something that cannot be.
     """
-    onboard = replace(true, camera=calibrated(true.camera, calibration, run), psf_sigma_px=None)
+    camera = calibrated(needed(true.camera, "camera.toml", "a render"), calibration, run)
+    detector = needed(true.detector, "detector.toml", "a render")
+    onboard = replace(true, camera=camera, psf_sigma_px=None)
     if table is None:
         return onboard
     try:
         return replace(
             onboard,
-            camera=told_camera(onboard.camera, table.camera, run),
-            detector=told_detector(true.detector, table.detector, run),
+            camera=told_camera(camera, table.camera, run),
+            detector=told_detector(detector, table.detector, run),
             markers=told_markers(true.markers, table.markers, run),
             wireframe=told_wireframe(true.wireframe, table.target, run),
             expectations=told_expectations(true.expectations, table.mount, table.target, run),
@@ -88,7 +90,15 @@ def told(
 
 
 def calibrated(camera: Camera, table: CalibrationTable, run: int) -> Camera:
-    """Return the camera as a run's ``[calibration]`` has it."""
+    """Return the camera as a run's ``[calibration]`` has it.
+
+    Parameters
+    ----------
+    camera : Camera
+        As simulated.
+    table : CalibrationTable
+    run : int
+    """
     draw = np.random.default_rng([run, CALIBRATION_DRAW]).standard_normal(4)
     focal, centre = table.sigma_focal_px, table.sigma_principal_point_px
     return replace(
@@ -181,3 +191,8 @@ def quantities(table: ToldTable) -> Iterator[tuple[str, str, Difference | Vector
             difference = getattr(inner, key)
             if difference is not None:
                 yield name, key, difference
+
+
+def markers_are_told_otherwise(table: ToldTable | None) -> bool:
+    """Tell whether the markers on board are others than those that are rendered."""
+    return table is not None and table.markers is not None

@@ -18,13 +18,39 @@ EXACT, EXACT_VECTOR = Difference(), VectorDifference()  # type: ignore[call-arg]
 
 
 def drawn(run: int, quantity: str, count: int) -> Floats:
-    """Return standard normal numbers, (count,), that no other run or quantity shares."""
+    """Return standard normal numbers that no other run or quantity shares.
+
+    Parameters
+    ----------
+    run : int
+    quantity : str
+        Such as ``camera.fx``.
+    count : int
+
+    Returns
+    -------
+    (count,) array
+    """
     key = [run, TOLD_DRAW, zlib.crc32(quantity.encode())]
     return np.random.default_rng(key).standard_normal(count)
 
 
 def error_of(difference: Difference | None, run: int, quantity: str) -> float:
-    """Return told minus true of a number in a run."""
+    """Return told minus true of a number in a run.
+
+    Parameters
+    ----------
+    difference : Difference or None
+        None where it is told as it is.
+    run : int
+    quantity : str
+        Such as ``camera.fx``.
+
+    Returns
+    -------
+    float
+        In the quantity's unit.
+    """
     table = difference or EXACT
     return float(table.offset + table.sigma * drawn(run, quantity, 1)[0])
 
@@ -32,6 +58,22 @@ def error_of(difference: Difference | None, run: int, quantity: str) -> float:
 def errors_of(
     difference: VectorDifference | None, run: int, quantity: str, count: int = 1
 ) -> Floats:
-    """Return told minus true of ``count`` vectors in a run, (count, 3)."""
+    """Return told minus true of vectors in a run.
+
+    Parameters
+    ----------
+    difference : VectorDifference or None
+        None where they are told as they are.
+    run : int
+    quantity : str
+        Such as ``markers.place_m``.
+    count : int
+        Of vectors.
+
+    Returns
+    -------
+    (count, 3) array
+        In the quantity's unit.
+    """
     table = difference or EXACT_VECTOR
     return np.array(table.offset) + table.sigma * drawn(run, quantity, 3 * count).reshape(-1, 3)

@@ -32,6 +32,13 @@ Part = TypeVar("Part", Camera, Detector)
 def told_camera(true: Camera, table: ToldCameraTable | None, run: int) -> Camera:
     """Return the camera as told in a run.
 
+    Parameters
+    ----------
+    true : Camera
+    table : ToldCameraTable or None
+        None where it is told as it is.
+    run : int
+
     Raises
     ------
     ValueError, ScenarioError
@@ -42,6 +49,13 @@ def told_camera(true: Camera, table: ToldCameraTable | None, run: int) -> Camera
 
 def told_detector(true: Detector, table: ToldDetectorTable | None, run: int) -> Detector:
     """Return the detector as told in a run.
+
+    Parameters
+    ----------
+    true : Detector
+    table : ToldDetectorTable or None
+        None where it is told as it is.
+    run : int
 
     Raises
     ------
@@ -60,7 +74,25 @@ def told_detector(true: Detector, table: ToldDetectorTable | None, run: int) -> 
 
 
 def told_psf_sigma_px(true: float | None, table: ToldOpticsTable | None, run: int) -> float | None:
-    """Return the blur as told in a run, px; None where nobody is told."""
+    """Return the blur as told in a run.
+
+    Parameters
+    ----------
+    true : float or None, px
+    table : ToldOpticsTable or None
+        None where nobody is told.
+    run : int
+
+    Returns
+    -------
+    float or None, px
+        None where nobody is told, or there is no true one.
+
+    Raises
+    ------
+    ValueError
+        If it is below zero.
+    """
     if table is None or true is None:
         return None
     measured = true + error_of(table.psf_sigma_px, run, "optics.psf_sigma_px")
@@ -73,6 +105,13 @@ def told_markers(
     true: MarkerPattern | None, table: ToldMarkersTable | None, run: int
 ) -> MarkerPattern | None:
     """Return the markers as surveyed in a run.
+
+    Parameters
+    ----------
+    true : MarkerPattern or None
+    table : ToldMarkersTable or None
+        None where they are told as they are.
+    run : int
 
     Raises
     ------
@@ -99,6 +138,13 @@ def told_wireframe(
 
     Its origin is that centre, so a centre told too far along +x leaves every corner too far along
     -x. Symmetries are still those about the true one.
+
+    Parameters
+    ----------
+    true : Wireframe or None
+    table : ToldTargetTable or None
+        None where it is told as it is.
+    run : int
     """
     if true is None or table is None or table.centre_of_mass_m is None:
         return true
@@ -117,6 +163,14 @@ def told_expectations(
     run: int,
 ) -> FlightExpectations | None:
     """Return what was expected before flight: another mount, another inertia.
+
+    Parameters
+    ----------
+    true : FlightExpectations or None
+    mount : ToldMountTable or None
+    target : ToldTargetTable or None
+        None where it is told as it is.
+    run : int
 
     Raises
     ------

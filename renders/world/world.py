@@ -129,7 +129,7 @@ class World:
         return self.sky.sun_at(sun, time_s)
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return the unit vector towards the Earth's centre, target frame, and its distance, km."""
+        """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
         return self.sky.turning.earth_at(time_s)
 
     def lit_by(self, exposure: Exposure) -> list[LightGroup]:

@@ -16,9 +16,15 @@ from pathlib import Path
 import pytest
 
 from bench import cli
+from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[2]
-README_FILES = [HOUSE / "README.md", *sorted(HOUSE.glob("*/README.md"))]
+README_FILES = [
+    HOUSE / "README.md",
+    HOUSE / "CONTRIBUTING.md",
+    *sorted(HOUSE.glob("*/README.md")),
+    *sorted(HOUSE.glob("bench/examples/*/README.md")),
+]
 FENCE = re.compile(r"^```(?P<info>[^\n`]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMANDS = {"console", "sh", "bash", "shell"}
 PROSE_COMMAND = re.compile(r"`(rvbench [^`]+)`")
@@ -81,7 +87,7 @@ def test_python_blocks_run(block, tmp_path):
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=HANGS_S,
     )
     assert result.returncode == 0, result.stderr
 

@@ -192,23 +192,20 @@ def test_a_camera_file_comes_back_exactly(camera: Camera) -> None:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "camera.toml"
         path.write_text(camera.to_toml())
-        if camera.can_be_undone():
-            assert Camera.from_toml(path) == camera
-        else:
-            with pytest.raises(ScenarioError, match="can be undone over the whole image"):
-                Camera.from_toml(path)
+        assert Camera.from_toml(path) == camera
 
 
 @given(distorted_cameras())
 def test_lenses_as_calibrations_find_them_can_be_undone(camera: Camera) -> None:
-    assert camera.can_be_undone()
+    spread = camera.spread_px()
+    np.testing.assert_allclose(camera.project(camera.rays(spread)), spread, atol=ROUNDING_PX)
 
 
-def test_a_lens_that_folds_the_image_over_cannot_be_undone() -> None:
-    """Also where it folds at mid-field and the corners find a way back."""
-    assert CHASER.can_be_undone()
-    assert not replace(CHASER, k1=-5.0).can_be_undone()
-    assert not replace(CHASER, k1=1.0, k2=-30.0, k3=60.0).can_be_undone()
+@pytest.mark.parametrize("k", [(-5.0, 0.0, 0.0), (1.0, -30.0, 60.0)])
+def test_a_lens_that_folds_the_image_over_is_refused(k: tuple[float, float, float]) -> None:
+    """Also where it folds at mid-field and the corners might find a way back."""
+    with pytest.raises(ScenarioError, match="one-to-one over the image"):
+        replace(CHASER, k1=k[0], k2=k[1], k3=k[2])
 
 
 def test_numpys_numbers_are_written_as_numbers(tmp_path: Path) -> None:
@@ -236,25 +233,15 @@ GOOD = CHASER.to_toml()
         (GOOD.replace("cx = 1023.5", "cx = 1e300"), r"camera.toml: expected cx from -32768 to"),
         ("not toml at all", r"expected a camera as TOML, got: "),
         pytest.param("fx = " + 5000 * "[", r"got: in line 1: nested more than 32 deep", id="deep"),
-        (GOOD.replace("fx = ", "fx = 1e300 #"), r"expected fx from 0.001 to 1e\+08, got 1e\+300"),
-        (GOOD.replace("fy = ", "fy = 1e-300 #"), r"expected fy from 0.001 to 1e\+08, got 1e-300"),
+        (GOOD.replace("fx = ", "fx = 1e300 #"), r"expected fx from 2.048 to .*, got 1e\+300"),
+        (GOOD.replace("fy = ", "fy = 1e-300 #"), r"expected fy from 2.048 to .*, got 1e-300"),
         (
             GOOD.replace("cx = ", "cx = -1e9 #"),
-            r"expected cx from -1e\+06 to 1e\+06, got -1000000000",
+            r"expected cx from -32768 to 32768 .*, got -1000000",
         ),
-        (GOOD.replace("width = ", "width = 70000 #"), r"expected width from 1 to 65535, got 70000"),
-        (
-            GOOD.replace("fx = ", f"fx = {10**400} #"),
-            r"from 0.001 to 1e\+08, got a whole number of",
-        ),
-        (
-            GOOD.replace("k1 = 0.0", "k1 = 1e300"),
-            r"expected k1 from -1e\+06 to 1e\+06, got 1e\+300",
-        ),
-        (
-            GOOD.replace("k1 = 0.0", "k1 = -5"),
-            r"can be undone over the whole image, got -5, 0, 0, 0",
-        ),
+        (GOOD.replace("width = ", "width = 70000 #"), r"expected width from 1 to 16384 .* 70000"),
+        (GOOD.replace("fx = ", f"fx = {10**400} #"), r"got a whole number of some 400 digits"),
+        (GOOD.replace("k1 = 0.0", "k1 = 1e300"), r"expected k1 from .*, got 1e\+300"),
         pytest.param(GOOD + 4_000_000 * "#", r"more than 4 MB", id="4 MB"),
     ],
 )

@@ -191,10 +191,10 @@ def test_it_is_refused_exactly_from_where_its_corner_meets_the_fold(fold: float)
         ({"fy": 1e-9}, "expected fy from 2.048"),
         ({"cx": -1e9}, "expected cx from -32768 to 32768"),
         ({"cy": 1e300}, "expected cy from -32768 to 32768"),
-        ({"width": 10**400}, "expected width from 1 to 16384 .*got beyond 1e18"),
+        ({"width": 10**400}, "expected width from 1 to 16384 .*got a whole number of"),
         ({"height": 20000}, "expected height from 1 to 16384 .*got 20000"),
         ({"k3": 1e300}, r"expected k3 from -1e\+06 to 1e\+06"),
-        ({"p2": -(10**5000)}, "expected p2 .*got beyond 1e18"),
+        ({"p2": -(10**5000)}, "expected p2 .*got a whole number of"),
     ],
 )
 def test_numbers_no_camera_has_are_refused(change: dict[str, float], said: str) -> None:

@@ -56,6 +56,7 @@ def test_a_frame_holds_readings_and_times_and_no_truth() -> None:
             "expectations",
             "psf_sigma_px",
             "sigmas",
+            "tables",
         },
         "PosePrior": {"cam_from_target", "sigma_m", "sigma_deg"},
         "FlightExpectations": {

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from bench.photon_transfer import Measured, PhotonTransfer, photon_transfer
 from models.arrays import Image
 from models.camera import Camera
 from models.sensors.camera_chip import Detector, Optics
 from renders.detector.expose import expose_electrons, exposure_rng, mean_electrons
+from tests.support.photon_transfer import Measured, PhotonTransfer, photon_transfer
 
 CAMERA = Camera.from_fov(192, 192, 50.0)
 OPTICS = Optics(psf_sigma_px=0.0, vignetting=False)

@@ -18,6 +18,7 @@ from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.tracing.light_groups import LightGroup
 from renders.variant.choice import activate, choose_variant
+from tests.support.patience import HANGS_S
 
 LAMBERT = "lambertian_grey"  # a material for closed forms, known to tests alone
 MATERIALS[LAMBERT] = Material(
@@ -97,6 +98,6 @@ def run_python(program: str, cwd: Path, **environment: str) -> Any:
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), **environment},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=HANGS_S,
         check=False,
     )

@@ -11,8 +11,7 @@ from models.pose import RigidTransform
 from pipelines.pipeline import RegisteredPipeline
 
 NAME, NO_LENS = "blob", np.eye(3)
-THRESHOLD_SIGMA, LEAST_PIXELS = 12.0, 4  # of the noise of the difference
-FAR_PX, KEPT_PX, LEAST_MATCHES = 1e9, 2.0, 5  # a match is kept that fits the pose this well
+THRESHOLD_SIGMA, LEAST_PIXELS, LEAST_MATCHES, KEPT_PX, FAR_PX = 12.0, 4, 5, 2.0, 1e9
 
 
 class BlobPipeline:
@@ -25,16 +24,16 @@ class BlobPipeline:
 
     def process(self, frame: Frame) -> Estimate:
         """Return the pose of a frame, or why there is none."""
-        blobs_px = blobs_in(frame.image(IMAGE_850).image, frame.image(IMAGE_800).image)
+        blobs_px = blobs_in(*(frame.image(stream).image for stream in (IMAGE_850, IMAGE_800)))
         markers_px = self.camera.project(self.pose @ self.points_in_target)
         apart = np.nan_to_num(np.linalg.norm(markers_px[:, None] - blobs_px, axis=2), nan=FAR_PX)
         least = [apart.min(axis=each, keepdims=True, initial=FAR_PX) for each in (0, 1)]
-        markers, blobs = np.nonzero((apart == least[0]) & (apart == least[1]) & (apart < FAR_PX))
+        markers, blobs = np.nonzero((apart < FAR_PX) & (apart == least[0]) & (apart == least[1]))
         pose = self._solved(self.points_in_target[markers], self.camera.normalise(blobs_px[blobs]))
         if pose is None:
             return Estimate(frame.index, frame.time_s, reason=f"{len(markers)} blobs at markers")
         self.pose = pose
-        return Estimate(frame.index, frame.time_s, pose=PoseEstimate(pose))
+        return Estimate(frame.index, frame.time_s, PoseEstimate(pose))
 
     def _solved(self, points: Floats, rays: Floats) -> RigidTransform | None:
         if len(points) < LEAST_MATCHES:
@@ -44,8 +43,8 @@ class BlobPipeline:
         found, turn, shift, kept = cv2.solvePnPRansac(points, rays, NO_LENS, None, **near)
         if not found or len(kept) < LEAST_MATCHES:
             return None
-        kept = points[kept.ravel()], rays[kept.ravel()]
-        turn, shift = cv2.solvePnPRefineLM(*kept, NO_LENS, None, turn, shift)
+        kept = kept.ravel()
+        turn, shift = cv2.solvePnPRefineLM(points[kept], rays[kept], NO_LENS, None, turn, shift)
         return RigidTransform(cv2.Rodrigues(turn)[0], shift.ravel())
 
 

@@ -18,6 +18,7 @@ from bench.report.parts import (
 from bench.report.plot import svg_address
 from bench.report.table import length
 from bench.scoring.score import shown_labels
+from models.onboard import needed
 
 
 def report(given: ReportInput) -> ReportParts:
@@ -26,7 +27,9 @@ def report(given: ReportInput) -> ReportParts:
     published = published_case(given.info.target, given.info.sun)
     ranges = [row["range_m"] for row in rows]
     with_pose = [row for row in rows if row["reason"] is None] or rows
-    camera, detector = given.records.onboard.camera, given.records.onboard.detector
+    onboard = given.records.onboard
+    camera = needed(onboard.camera, "camera.toml", "the report")
+    detector = needed(onboard.detector, "detector.toml", "the report")
     return ReportParts(
         lead=(
             f"{given.info.target} under Sun {given.info.sun}, {score['frames']} image pairs of "
@@ -152,6 +155,9 @@ def _calibration(scenario: dict[str, dict[str, Any]]) -> str:
     focal, centre = table.get("sigma_focal_px"), table.get("sigma_principal_point_px")
     if not isinstance(focal, int | float) or not isinstance(centre, int | float):
         return "what ours carry is not on record"
+    told = scenario.get("told")
+    if isinstance(told, dict) and told.get("camera"):
+        return "ours are off by what the scenario's [told.camera] says"
     if focal == 0.0 and centre == 0.0:
         return "ours are calibrated exactly"
     return f"ours carry {focal:g} px in focal length and {centre:g} px in principal point"

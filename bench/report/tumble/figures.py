@@ -55,7 +55,7 @@ def error_figure(score: Score) -> str:
                         ms=4.0,
                         label="no pose from this image",
                     )
-                if np.isfinite(_errors(frames, filtered)).any():
+                if (_errors(frames, filtered) > 0.0).any():
                     panel.set_yscale("log")
                 panel.set_ylabel(what)
                 panel.set_title(f"{variant}: {what.split(',')[0]}")

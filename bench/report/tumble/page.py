@@ -11,12 +11,14 @@ from bench.report.plot import svg_address
 from bench.report.table import length
 from bench.report.tumble import figures, tables
 from bench.scoring.score import shown_labels
+from models.onboard import needed
 
 
 def report(given: ReportInput) -> ReportParts:
     """Return the page's parts."""
     score, rows = given.score, given.headline["per_frame"]
-    camera, target = given.records.onboard.camera, wireframe_of(given.records.onboard)
+    onboard = given.records.onboard
+    camera, target = needed(onboard.camera, "camera.toml", "the report"), wireframe_of(onboard)
     judged = sorted(
         (row for row in rows if row["attitude_error_deg"] is not None),
         key=lambda row: row["attitude_error_deg"],

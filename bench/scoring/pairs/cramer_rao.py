@@ -45,10 +45,21 @@ class Efficiency:
 
 
 def pixel_jacobian(camera: Camera, points_in_target: Floats, pose: RigidTransform) -> Floats:
-    """Return d(pixel)/d(pose), (n, 2, 6), in px/rad and px/m.
+    """Return d(pixel)/d(pose).
 
     The pose is perturbed as in ``RigidTransform.perturbed``, rotation first:
     ``dp_in_cam = w x (R x_in_target) + dt``.
+
+    Parameters
+    ----------
+    camera : Camera
+    points_in_target : (n, 3) array, m
+    pose : RigidTransform
+        ``cam_from_target``.
+
+    Returns
+    -------
+    (n, 2, 6) array, px/rad and px/m
     """
     turned = pose.rotate(points_in_target)
     points_in_cam = turned + pose.translation

@@ -120,7 +120,16 @@ class DetectionScore:
 
 
 def visible_markers(truth: ExposureTruth, camera: Camera, pattern: MarkerPattern) -> VisibleMarkers:
-    """Say which markers a pipeline can be asked to find in one frame."""
+    """Say which markers a pipeline can be asked to find in one frame.
+
+    Parameters
+    ----------
+    truth : ExposureTruth
+        Of the 850 nm exposure.
+    camera : Camera
+    pattern : MarkerPattern
+        The markers of that truth.
+    """
     depth = (truth.cam_from_target @ pattern.points_in_target)[:, 2]
     with np.errstate(divide="ignore"):
         radius_px = np.where(depth > 0.0, camera.fx * pattern.radius_m / depth, 0.0)

@@ -176,9 +176,8 @@ def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:
         highest = max(said.detected.marker, default=-1)
         if highest >= len(dataset.pattern):
             raise DatasetError(
-                f"run {run.number}, frame {said.frame}: expected markers below "
-                f"{len(dataset.pattern)}, as many as markers.toml has, got {highest}; "
-                "run the estimate again"
+                f"frame {said.frame}: expected markers below {len(dataset.pattern)}, as many as "
+                f"markers.toml has, got {highest}; run the estimate again"
             )
         judged.append(_judged(run.number, said, frame, dataset.limits))
     return judged
@@ -207,7 +206,19 @@ def _judged(run: int, said: Estimate, frame: TrueFrame, limits: Limits) -> Judge
 
 
 def judge_alone(said: Estimate, record: ExposureTruth, scene: TrueScene) -> JudgedFrame:
-    """Hold one estimate of one pair against the sealed record of its 850 nm exposure."""
+    """Hold one estimate of one pair against the sealed record of its 850 nm exposure.
+
+    Parameters
+    ----------
+    said : Estimate
+    record : ExposureTruth
+    scene : TrueScene
+
+    Raises
+    ------
+    DatasetError
+        If the scene has no markers.
+    """
     pattern = needed(scene.markers, "markers.toml", "judging pairs")
     frame = TrueFrame(
         entry=FrameEntry(record.frame, record.time_s),

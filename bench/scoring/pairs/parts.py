@@ -24,14 +24,28 @@ Runs = Sequence[Sequence[JudgedFrame]]
 
 
 def axes(judged: Runs, truth: TrueDataset, label: str) -> Axes:
-    """Summarise the pose errors axis by axis."""
+    """Summarise the pose errors axis by axis.
+
+    Parameters
+    ----------
+    judged : sequence of sequences of JudgedFrame
+        Run by run.
+    truth : TrueDataset
+    label : str
+        Of the pipeline.
+    """
     return Axes(
         metrics.axis_errors(_errors(judged[0])), metrics.axis_errors(_errors(_pooled(judged)))
     )
 
 
 def centroid_score(judged: Runs, truth: TrueDataset, label: str) -> CentroidScore:
-    """Summarise the centroid errors."""
+    """Summarise the centroid errors.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
+    """
     return CentroidScore(
         centroids.summarise(centroid_errors(judged[0])),
         centroids.summarise(centroid_errors(_pooled(judged))),
@@ -42,6 +56,10 @@ def detection(judged: Runs, truth: TrueDataset, label: str) -> DetectionScore:
     """Count what was found, missed and mistaken in run 0.
 
     A pipeline that tells of no detections, in no frame, has no recall.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
     """
     score = detection_score([(each.detections, each.frame.markers) for each in judged[0]])
     told = any(each.estimate.detections is not None for each in judged[0])
@@ -49,30 +67,55 @@ def detection(judged: Runs, truth: TrueDataset, label: str) -> DetectionScore:
 
 
 def statistics(judged: Runs, truth: TrueDataset, label: str) -> PaperStatistics:
-    """Return equations 17 and 18 of the paper over the runs."""
+    """Return equations 17 and 18 of the paper over the runs.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
+    """
     return paper_statistics([_errors_by_frame(run) for run in judged])
 
 
 def efficiencies(judged: Runs, truth: TrueDataset, label: str) -> Efficiency:
-    """Return the errors over the bound, all runs together."""
+    """Return the errors over the bound, all runs together.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
+    """
     pooled = _pooled(judged)
     return _efficiency(pooled, bounds_of(pooled, truth))
 
 
 def nees(judged: Runs, truth: TrueDataset, label: str) -> metrics.Nees:
-    """Hold what the pipeline states against its errors, all runs together."""
+    """Hold what the pipeline states against its errors, all runs together.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
+    """
     squares = [square for each in _pooled(judged) if (square := _nees(each)) is not None]
     return metrics.consistency(squares)
 
 
 def per_range(judged: Runs, truth: TrueDataset, label: str) -> list[RangeScore]:
-    """Summarise by range, all runs together."""
+    """Summarise by range, all runs together.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
+    """
     pooled = _pooled(judged)
     return _per_range(pooled, bounds_of(pooled, truth))
 
 
 def asked(judged: Runs, truth: TrueDataset, label: str) -> list[Check]:
-    """Hold run 0 against what the case asks for."""
+    """Hold run 0 against what the case asks for.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``axes``
+    """
     return checks(truth.folder, judged)
 
 

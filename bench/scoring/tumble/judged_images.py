@@ -166,7 +166,19 @@ def judge_run(run: Run, truth: TrueImages) -> list[JudgedImage]:
 
 
 def judge_alone(said: Estimate, record: ImageTruth, scene: TrueScene) -> JudgedImage:
-    """Hold one estimate of one image against its sealed record."""
+    """Hold one estimate of one image against its sealed record.
+
+    Parameters
+    ----------
+    said : Estimate
+    record : ImageTruth
+    scene : TrueScene
+
+    Raises
+    ------
+    DatasetError
+        If the camera, the wireframe or the expectations are not on board.
+    """
     knowledge = UncooperativeKnowledge.of(scene.onboard)
     return judged_image(0, said, record, knowledge, scene.limits, begun=True)
 
@@ -195,7 +207,7 @@ def judged_image(
     keeps_state : bool
         Whether that is its state's, and not the image's own.
     """
-    error = navigation_error(said, was.state, knowledge.cam_from_lvlh)
+    error = navigation_error(said, was.state, knowledge.cam_from_lvlh, was.cam_from_target)
     pose: RigidTransform | None = None
     position_m = attitude_deg = confusion = None
     squares: tuple[tuple[float | None, int], ...] = ()
@@ -233,7 +245,20 @@ def _known(value: float) -> float | None:
 
 
 def confusion_of(pose: RigidTransform, truth: RigidTransform, target: Wireframe) -> str:
-    """Name the kind of a wrong attitude."""
+    """Name the kind of a wrong attitude.
+
+    Parameters
+    ----------
+    pose, truth : RigidTransform
+        ``cam_from_target``.
+    target : Wireframe
+        Whose symmetries these are.
+
+    Returns
+    -------
+    str
+        ``symmetry``, ``half turn about x`` (y, z), or ``other``.
+    """
     if symmetric_attitude_deg(pose, truth, target.symmetries) <= LIKE_DEG:
         return "symmetry"
     for axis, name in zip(np.eye(3), "xyz", strict=True):
@@ -245,7 +270,19 @@ def confusion_of(pose: RigidTransform, truth: RigidTransform, target: Wireframe)
 
 
 def lit_landmarks(target: Wireframe, sun_dir_in_target: Floats) -> Mask:
-    """Tell which landmarks the Sun reaches past the wireframe's own faces."""
+    """Tell which landmarks the Sun reaches past the wireframe's own faces.
+
+    Parameters
+    ----------
+    target : Wireframe
+        Of m landmarks.
+    sun_dir_in_target : (3,) array
+        Towards the Sun, of any length.
+
+    Returns
+    -------
+    (m,) array of bool
+    """
     towards = sun_dir_in_target / np.linalg.norm(sun_dir_in_target)
     aside = np.cross(towards, np.eye(3)[int(np.argmin(np.abs(towards)))])
     aside /= np.linalg.norm(aside)
@@ -255,7 +292,15 @@ def lit_landmarks(target: Wireframe, sun_dir_in_target: Floats) -> Mask:
 
 
 def corners_found(points_px: Floats, truth: ImageTruth, target: Wireframe) -> Corners:
-    """Count the visible landmarks that have a corner near their true place."""
+    """Count the visible landmarks that have a corner near their true place.
+
+    Parameters
+    ----------
+    points_px : (n, 2) array, px
+        The corners detected.
+    truth : ImageTruth
+    target : Wireframe
+    """
     visible = truth.landmarks_visible
     lit = lit_landmarks(target, truth.sun_dir_in_target)
     nearest = np.full(len(visible), np.inf)

@@ -58,14 +58,26 @@ class NavigationError:
 
 
 def navigation_error(
-    estimate: Estimate, truth: RelativeState, cam_from_lvlh: RigidTransform
+    estimate: Estimate,
+    truth: RelativeState,
+    cam_from_lvlh: RigidTransform,
+    true_cam_from_target: RigidTransform | None = None,
 ) -> NavigationError:
-    """Hold one estimate against the truth of its instant."""
+    """Hold one estimate against the truth of its instant.
+
+    Parameters
+    ----------
+    estimate : Estimate
+    truth : RelativeState
+    cam_from_lvlh : RigidTransform
+        The mount, as told.
+    true_cam_from_target : RigidTransform, optional
+        The true pose; where it is left out, the mount is taken to be true.
+    """
     raw_position, raw_attitude = NONE, NONE
     if estimate.pose is not None:
-        raw_position, raw_attitude = pose_error_sizes(
-            estimate.pose.cam_from_target, truth.cam_from_target(cam_from_lvlh)
-        )
+        true_pose = true_cam_from_target or truth.cam_from_target(cam_from_lvlh)
+        raw_position, raw_attitude = pose_error_sizes(estimate.pose.cam_from_target, true_pose)
     state = relative_state(estimate)
     if state is None:
         return NavigationError(raw_position, raw_attitude, *([NONE] * 10))
@@ -162,7 +174,19 @@ def innovation_nis(estimate: Estimate, cam_from_lvlh: RigidTransform) -> tuple[f
 
 
 def normalised_square(error: Floats, covariance: Floats | None) -> float:
-    """Return ``e' P^-1 e``; NaN where P is absent or not positive definite."""
+    """Return ``e' P^-1 e``.
+
+    Parameters
+    ----------
+    error : (n,) array
+    covariance : (n, n) array or None
+        In the squares of the error's units.
+
+    Returns
+    -------
+    float
+        NaN where the covariance is absent or not positive definite.
+    """
     if covariance is None:
         return NONE
     try:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from bench.estimating.starts import read_starts, starts_path
+from bench.estimating.tumble.starts import read_starts, starts_path
 from bench.scoring.asked import Check, checks
 from bench.scoring.core_score import Sizes, sizes
 from bench.scoring.judgement import without_numbers
@@ -28,7 +28,16 @@ Runs = Sequence[Sequence[JudgedImage]]
 
 
 def state(judged: Runs, truth: TrueImages, label: str) -> StateScore:
-    """Summarise the filtered state of run 0."""
+    """Summarise the filtered state of run 0.
+
+    Parameters
+    ----------
+    judged : sequence of sequences of JudgedImage
+        Run by run.
+    truth : TrueImages
+    label : str
+        Of the pipeline.
+    """
     frames = judged[0]
     states = [each for each in frames if not np.isnan(each.error.position_m)]
     first = states[0].estimate.frame if states else None
@@ -54,22 +63,47 @@ def state(judged: Runs, truth: TrueImages, label: str) -> StateScore:
 
 
 def corners(judged: Runs, truth: TrueImages, label: str) -> CornerScore:
-    """Pool the corners of all frames of run 0."""
+    """Pool the corners of all frames of run 0.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``state``
+    """
     return corner_score(judged[0])
 
 
 def limits(judged: Runs, truth: TrueImages, label: str) -> list[Limit]:
-    """Sort the frames of run 0 by what may limit a pose, and give the errors by quarter."""
+    """Sort the frames of run 0 by what may limit a pose, and give the errors by quarter.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``state``
+    """
     return limits_of(judged[0])
 
 
 def starts(judged: Runs, truth: TrueImages, label: str) -> StartsScore | None:
-    """Judge the starts that were tried; None where none were."""
+    """Judge the starts that were tried; None where none were.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``state``
+
+    Raises
+    ------
+    DatasetError
+        As ``starts_score``.
+    """
     return starts_score(truth, label)
 
 
 def asked(judged: Runs, truth: TrueImages, label: str) -> list[Check]:
-    """Hold run 0, and the starts, against what the case asks for."""
+    """Hold run 0, and the starts, against what the case asks for.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``state``
+    """
     tried = starts_score(truth, label)
     right = None if tried is None else tried.within / tried.starts
     return checks(truth.dataset.folder, judged, right)
@@ -146,7 +180,13 @@ def limits_of(frames: Sequence[JudgedImage]) -> list[Limit]:
 
 
 def starts_score(truth: TrueImages, label: str) -> StartsScore | None:
-    """Judge the starts that were tried by a pipeline; None where none were."""
+    """Judge the starts that were tried by a pipeline; None where none were.
+
+    Raises
+    ------
+    DatasetError
+        If a start tells of a pose in a frame that the dataset has not, or the file is damaged.
+    """
     most_images, tried = read_starts(truth.dataset.folder, label)
     if not tried:
         return None

@@ -10,7 +10,7 @@ import pytest
 import renders.batches.render_case
 import renders.batches.replay
 from bench import api
-from bench.estimating import contenders
+from bench.estimating.contenders import Contender
 from bench.estimating.repeated_runs import repeat_runs, runs_left
 from bench.estimating.runs import (
     estimates_path,
@@ -24,7 +24,6 @@ from models.dataset.dataset import open_dataset
 from models.dataset.estimates_file import read_estimates, read_runtimes
 from models.errors import DatasetError
 from models.frame import IMAGE_850
-from pipelines.registry import registered_pipeline
 from tests.support.synthetic_dataset import write_dataset
 
 A_MILLIMETRE = 1.0
@@ -123,9 +122,7 @@ def test_a_run_is_done_again_with_other_settings(replayed, monkeypatch):
     assert set(stamp) == {"dataset", "settings_best", "settings_paper"}
     assert stamp["settings_best"] != stamp["settings_paper"]
     assert runs_left(dataset.folder, 2) == []
-    registered = registered_pipeline("chaser_fixed")
-    other = dataclasses.replace(registered, settings=lambda variant: f"{variant}, but other")
-    monkeypatch.setattr(contenders, "registered_pipeline", lambda name: other)
+    monkeypatch.setattr(Contender, "settings", property(lambda own: f"{own.label}, but other"))
     assert runs_left(dataset.folder, 2) == [1]
     assert repeat_runs(dataset.folder, 2) == [1]
     assert exposed == [1, 1]

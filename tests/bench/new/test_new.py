@@ -1,5 +1,6 @@
 """Start files run as they are, show every key there is, and never replace anything."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -19,6 +20,7 @@ from models.dataset.estimates_file import read_estimates
 from pipelines.registry import pipeline_names
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
 
+HOUSE = Path(__file__).resolve().parents[3]
 UNCOMMENTED = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
 
 
@@ -144,6 +146,25 @@ def test_a_pipeline_is_found_and_says_why_it_finds_nothing(package, scored_datas
             r"nothing is looked for yet; the largest difference is [1-9]\d+ DN", estimate.reason
         )
     assert (data / "estimates" / "best.jsonl").read_bytes() == before
+
+
+def test_the_test_of_a_pipeline_passes_and_can_fail(package):
+    def tried() -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "."],
+            cwd=package,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join((str(HOUSE), str(package)))},
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
+        )
+
+    passed = tried()
+    assert passed.returncode == 0, passed.stdout
+    module = package / "my_finder.py"
+    module.write_text(module.read_text().replace("return Estimate(", "return None and Estimate("))
+    assert tried().returncode == 1
 
 
 def test_a_pipeline_can_be_built(here, tmp_path):

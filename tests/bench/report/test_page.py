@@ -68,7 +68,7 @@ def test_it_is_small(scored_dataset):
 @pytest.mark.parametrize(
     "part",
     [
-        "maxar-demo under Sun S2",
+        "maxar1300 under Sun S2",
         "4 image pairs of 512 × 512",
         "The pipelines on the same frames",
         "paper variant",

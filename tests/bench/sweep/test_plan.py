@@ -16,9 +16,9 @@ from bench.sweep.plan import (
 from models.errors import ScenarioError
 from models.lights.sun import SUN_CASES_DEG
 from renders.scenario.scenario import RenderRequest, resolve
-from renders.world.world import World
+from renders.world.build import world_of
 
-WORLD = World(resolve(RenderRequest("maxar-approach", Path("unused"))))
+WORLD = world_of(resolve(RenderRequest("maxar-approach", Path("unused"))))
 MILLISECOND_M = 1.5e-5  # at 15 mm/s
 
 
@@ -68,10 +68,20 @@ def test_samples_reach_the_scenario():
         ({"time_s": (5.0,), "sun_step_deg": 7.0}, "divides 180.* 6.92308 is the nearest"),
         ({"time_s": (5.0,), "suns": ("S9",)}, "expected a Sun among S1.* got 'S9'"),
         ({"time_s": (5.0,), "suns": ("S1",), "sun_step_deg": 15.0}, "either a grid.* got both"),
-        ({"time_s": (5.0,), "exposure_ms": (1.0, 0.0)}, "expected --exposure-ms above 0, got 0"),
-        ({"time_s": (5.0,), "lamp_w_sr": (-1.0,)}, "expected --lamp-w-sr above 0, got -1"),
-        ({"time_s": (5.0,), "marker_samples": 0}, "--marker-samples of at least 1, got 0"),
-        ({"time_s": (5.0,), "threads": 0}, "expected --threads of at least 1, got 0"),
+        (
+            {"time_s": (5.0,), "exposure_ms": (1.0, 0.0)},
+            "expected --exposure-ms from 0.0001 to 100000, got 0",
+        ),
+        ({"time_s": (5.0,), "lamp_w_sr": (-1.0,)}, "expected --lamp-w-sr from .*, got -1"),
+        ({"time_s": (5.0,), "exposure_ms": (float("nan"),)}, "expected --exposure-ms from"),
+        ({"time_s": (5.0,), "lamp_w_sr": (float("inf"),)}, "expected --lamp-w-sr from"),
+        ({"time_s": (float("nan"),)}, "expected --time-s from 0 to 330"),
+        ({"time_s": (5.0,), "marker_samples": 0}, "--marker-samples from 1 to 65536, got 0"),
+        ({"time_s": (5.0,), "marker_samples": 10**12}, "--marker-samples from 1 to 65536"),
+        ({"time_s": (5.0,), "threads": 0}, "expected --threads from 1 to 512, got 0"),
+        ({"time_s": (5.0,), "threads": 100_000}, "expected --threads from 1 to 512, got 100000"),
+        ({"time_s": (5.0,), "memory_gb": float("nan")}, "expected --memory-gb from 0 to"),
+        ({"time_s": (5.0,), "memory_gb": float("inf")}, "expected --memory-gb from 0 to"),
         ({"time_s": (5.0,), "memory_gb": 0.1}, "--memory-gb of at least 1 for 1024"),
         ({"time_s": (5.0,), "store_budget_gb": 0.001}, "--store-budget-gb of at least .* 1024"),
     ],

@@ -58,7 +58,7 @@ def test_a_sweep_done_is_not_done_again(sweep: SmallSweep, traced: Traced) -> No
     before = inodes(sweep.out / "shots") | inodes(sweep.store.folder, "*.exr")
     result, said = sweep.run()
     assert traced() == []
-    assert "to trace: 0 light groups; 3 of 3 pairs are done already" in said
+    assert "to trace: 0 light groups; 3 of 3 frames are done already" in said
     assert inodes(sweep.out / "shots") | inodes(sweep.store.folder, "*.exr") == before
     assert [row.sun for row in result.rows] == ["S2", "S2", "90/30", "90/30", "0/-90", "0/-90"]
     assert {row.verdict for row in result.rows if row.pipeline == "best"} <= {
@@ -70,7 +70,7 @@ def test_exposures_and_lamp_powers_cost_no_light(sweep: SmallSweep, traced: Trac
     before = inodes(sweep.store.folder, "*.exr")
     result, said = sweep.run(exposure_ms=(0.001, 0.002), lamp_w_sr=(3.0, 12.0), pipeline="best")
     assert traced() == []
-    assert "to trace: 0 light groups; 0 of 12 pairs are done already" in said
+    assert "to trace: 0 light groups; 0 of 12 frames are done already" in said
     assert inodes(sweep.store.folder, "*.exr") == before
     assert len(result.settings) == 4
     assert len(result.rows) == 12
@@ -107,7 +107,7 @@ def test_killed_in_the_light_it_goes_on_without_redoing(
     assert traced() == [["sun_S2"]] * 2  # 800 and 850 nm
     result, said = sweep.run(**fresh)
     assert [groups == ["sun_S2"] for groups in traced()] == [True, True, False, False]
-    assert "to trace: 2 light groups; 0 of 2 pairs are done already" in said
+    assert "to trace: 2 light groups; 0 of 2 frames are done already" in said
     assert result.rows == expected.rows
 
 
@@ -123,7 +123,7 @@ def test_killed_for_good_the_same_command_ends_the_same(sweep: SmallSweep, tmp_p
     process = start(*typed)
     told, errors = process.communicate(timeout=300)
     assert process.returncode == 0, errors
-    assert "0 of 3 pairs are done already" in errors
+    assert "0 of 3 frames are done already" in errors
     assert f"table: {out / 'sweep.csv'}" in told
     assert read_csv(out / "sweep.csv") == sweep.run()[0].rows
     assert not [path for path in out.rglob("*") if ".part" in path.name]
@@ -204,11 +204,13 @@ def test_it_says_what_a_run_of_the_same_moment_and_sun_says(
     record = read_shot(sweep.out, result.shots[result.settings[0], result.plan.suns[1].text])
     assert record is not None
     swept = record.estimates["best"]
-    assert isinstance(swept, PoseEstimate)
-    assert isinstance(alone, PoseEstimate)
-    assert swept.detections.points_px.tolist() == alone.detections.points_px.tolist()
+    assert isinstance(swept.pose, PoseEstimate)
+    assert isinstance(alone.pose, PoseEstimate)
+    assert swept.detected.points_px.tolist() == alone.detected.points_px.tolist()
     np.testing.assert_allclose(
-        swept.cam_from_target.matrix(), alone.cam_from_target.matrix(), atol=PRIOR_AS_ANGLES
+        swept.pose.cam_from_target.matrix(),
+        alone.pose.cam_from_target.matrix(),
+        atol=PRIOR_AS_ANGLES,
     )
     scored = api.score(out)["pipelines"]["best"]["per_frame"][0]
     row = next(r for r in result.rows if r.sun == "90/30" and r.pipeline == "best")

@@ -108,6 +108,37 @@ def test_what_is_no_table_is_refused(tmp_path):
         read_json(path)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("12.0", "nan"), ("12.0", "1e999"), ("12.0", "1_2.0"), ("all found", "found"),
+        (",0,", ",2.7,"), (",0,", ",-1,"), ("reason", "reasons"), ("S2", "S\x1b2"),
+    ],
+)  # fmt: skip
+def test_a_cell_that_cannot_be_is_refused(tmp_path, old, new):
+    path = tmp_path / "t.csv"
+    text = to_csv([judged(perfect_estimate(TRUTH))])
+    path.write_text("\ufeff" + text)
+    assert len(read_csv(path)) == 1
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(DatasetError, match="expected the table of a sweep"):
+        read_csv(path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("time_s", "12"), ("time_s", True), ("used", 2.7), ("verdict", "x"), ("sun", 1)],
+)
+def test_a_value_that_cannot_be_is_refused(tmp_path, key, value):
+    path = tmp_path / "t.json"
+    table = json.loads(to_json([judged(perfect_estimate(TRUTH))], {}))
+    table["rows"][0][key] = value
+    path.write_text(json.dumps(table))
+    with pytest.raises(DatasetError, match=rf"expected a sweep at .*rows\.0\.{key}"):
+        read_json(path)
+
+
 def test_a_perfect_estimate_finds_every_marker_and_has_no_error():
     row = judged(perfect_estimate(TRUTH))
     assert row.verdict == "all found"

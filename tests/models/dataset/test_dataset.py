@@ -154,6 +154,16 @@ def test_images_of_another_size_than_the_cameras_are_refused(pairs: Path, stream
         list(dataset.frames())
 
 
+def test_where_no_camera_is_on_board_images_may_have_any_size(pairs: Path) -> None:
+    info = replace(PAIRS, onboard=("prior.toml",))
+    (pairs / "dataset.json").write_text(info_to_json(info))
+    dataset = open_dataset(pairs)
+    info.image_streams[0].path(pairs, 3).write_bytes(encode_image(noise_image(0)[:10]))
+    dataset.check_images()
+    assert dataset.frame(3).image(IMAGE_800).image.shape == (10, CAMERA.width)
+    assert dataset.frame(3).image(IMAGE_850).image.shape == (CAMERA.height, CAMERA.width)
+
+
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda path: None])
 def test_an_image_that_is_no_file_is_named(folder: Path, make: Callable[[Path], object]) -> None:
     dataset = open_dataset(folder)

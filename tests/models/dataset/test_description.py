@@ -93,7 +93,8 @@ def test_version_1_says_the_same(tmp_path: Path, info: DatasetInfo, version: int
     # Version 1 had fixed names of files, in an order of its own.
     back = read_info(tmp_path)
     assert set(back.onboard) == set(info.onboard)
-    assert replace(back, onboard=info.onboard) == info
+    assert back.version == version
+    assert replace(back, onboard=info.onboard, version=info.version) == info
 
 
 def test_a_folder_without_a_dataset_is_told(tmp_path: Path) -> None:

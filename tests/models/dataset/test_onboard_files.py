@@ -106,13 +106,38 @@ def test_what_nobody_has_is_not_there(folder: Path, info) -> None:
 
 def test_what_a_pipeline_lacks_is_told() -> None:
     assert needed(PAIRS_ON_BOARD.prior, "prior.toml", "any") is PAIRS_ON_BOARD.prior
-    with pytest.raises(DatasetError, match=r"expected wireframe\.json for the pipeline any, got"):
+    with pytest.raises(
+        DatasetError, match=r"wireframe\.json for the pipeline any, got none; name a"
+    ):
         needed(PAIRS_ON_BOARD.wireframe, "wireframe.json", "any")
 
 
-def test_a_camera_and_a_detector_are_on_board_of_everything(folder: Path) -> None:
-    with pytest.raises(DatasetError, match=r"camera\.toml and detector\.toml .*, got prior\.toml"):
-        read_onboard(folder, ("prior.toml",))
+def test_a_dataset_without_images_needs_no_camera(folder: Path) -> None:
+    back = read_onboard(folder, ("prior.toml",))
+    assert back.camera is None
+    assert back.detector is None
+    assert back.prior is not None
+    assert set(onboard_texts(back)) == {"prior.toml"}
+
+
+def test_a_chains_own_tables_come_back(folder: Path) -> None:
+    tables = {"range_finder.toml": {"sigma_m": 1 / 3, "beams": [{"name": "a", "on": True}]}}
+    told = replace(EVERYTHING, tables=tables)
+    back = read_onboard(written(folder, told), (*KNOWN, *tables))
+    assert back.tables == tables
+    assert read_onboard(folder, KNOWN).tables == {}
+
+
+@pytest.mark.parametrize("name", ["camera.toml", "notes.txt", "range_finder"])
+def test_a_table_has_a_name_of_its_own(folder: Path, name: str) -> None:
+    with pytest.raises(DatasetError, match=f"a name of its own ending in .toml.*got '{name}'"):
+        onboard_texts(replace(EVERYTHING, tables={name: {"a": 1}}))
+
+
+def test_a_file_that_is_no_table_is_told(folder: Path) -> None:
+    (folder / "notes.txt").write_text("a = 1")
+    with pytest.raises(DatasetError, match=r"dataset\.json: .*ending in \.toml, got 'notes\.txt'"):
+        read_onboard(folder, (*KNOWN, "notes.txt"))
 
 
 def test_a_run_has_files_of_its_own(folder: Path, tmp_path: Path) -> None:

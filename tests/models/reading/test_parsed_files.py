@@ -178,6 +178,14 @@ def test_a_table_is_read(tmp_path, data):
     assert read_table(tmp_path, data) == [(0, 0.5), (1, 1e-3)]
 
 
+def test_a_cell_may_have_lines(tmp_path):
+    path = tmp_path / "it.csv"
+    path.write_text('a,b\n"one\ntwo",3\n')
+    (row,) = read_csv(path, ("a", "b"))
+    assert row.text("a", lines=True) == "one\ntwo"
+    assert row.whole("b", 0, 9) == 3
+
+
 @pytest.mark.parametrize(
     "index", ["2.7", "1_000", " 1", "+-1", "1e0", "", "٣", "-1", "101", "True"]
 )

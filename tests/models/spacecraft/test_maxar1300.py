@@ -130,7 +130,7 @@ def test_wings_span_that_of_a_1300(craft: Spacecraft) -> None:
 @pytest.mark.parametrize("side", ["plus_x", "minus_x"])
 def test_reflector_sends_a_beam_from_earth_into_its_feed(craft: Spacecraft, side: str) -> None:
     sign = 1.0 if side == "plus_x" else -1.0
-    focus = offset_reflector.FOCUS * [sign, 1.0, 1.0]
+    focus = offset_reflector.DISH.focus * [sign, 1.0, 1.0]
     (face,) = [
         p.mesh for p in craft.parts if p.name == f"reflector_{side}" and p.material == "white_paint"
     ]

@@ -96,6 +96,37 @@ def test_what_is_no_wireframe_is_refused_by_its_path(spoil: str, tmp_path: Path)
         read_wireframe(path)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"plate"', '"pl\\u001bate"'),
+        ("2.0", "1e999"),
+        ("2.0", "NaN"),
+        ("2.0", '"2.0"'),
+        ("2.0", "1e12"),
+        ("true", "1"),
+        ("true", '"true"'),
+        ('"two"', "2"),
+        ('"name": "plate"', '"name": "plate", "name": "plate"'),
+        ('"edges": [', '"edges": [' + 5000 * "["),
+    ],
+    ids=lambda text: text[:20],
+)
+def test_a_value_that_cannot_be_is_refused(old: str, new: str, tmp_path: Path) -> None:
+    path = tmp_path / "wireframe.json"
+    text = wireframe_to_json(WIREFRAME)
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(DatasetError, match=r"expected a wireframe at .*wireframe\.json"):
+        read_wireframe(path)
+
+
+def test_a_wireframe_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    path = tmp_path / "wireframe.json"
+    path.write_text("\ufeff" + wireframe_to_json(WIREFRAME))
+    assert read_wireframe(path).name == "plate"
+
+
 def test_an_absent_or_cut_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DatasetError, match="No such file"):
         read_wireframe(tmp_path / "none.json")

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from models.arrays import Floats
-from models.estimate import Estimate, PoseEstimate
+from models.estimate import Estimate
 from models.frame import Frame
 from models.pose import RigidTransform, pose_error
 from pipelines.chaser_fixed.pipeline import VARIANTS, ChaserFixed, options_for
 from pipelines.detection.binarisation import threshold_dn
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import clipped_difference, saturated
+from pipelines.detection.image_pair import image_pair
 from tests.support.synthetic_pair import (
     CAMERA_1024,
     PATTERN,
@@ -22,6 +23,7 @@ from tests.support.synthetic_pair import (
     drawn_prior,
     facing_pose,
     knowledge_of,
+    pair_frame,
     render_pair,
 )
 
@@ -42,14 +44,15 @@ def said(frame: Frame, prior: RigidTransform, variant: str) -> Estimate:
 
 
 def pose_of(estimate: Estimate) -> tuple[RigidTransform, Floats]:
-    assert isinstance(estimate, PoseEstimate)
-    return estimate.cam_from_target, estimate.covariance
+    assert estimate.pose is not None, estimate.reason
+    return estimate.pose.cam_from_target, estimate.pose.stated_covariance
 
 
 def with_hot_pixel(frame: Frame, column: int, row: int) -> Frame:
-    image = frame.image_850.copy()
+    pair = image_pair(frame)
+    image = pair.image_850.copy()
     image[row, column] = HOT_DN
-    return replace(frame, image_850=image)
+    return pair_frame(frame.index, frame.time_s, pair.image_800, image)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -62,7 +65,7 @@ def test_a_prior_that_no_camera_could_see_gives_a_reason(
 ) -> None:
     estimate = said(frame, RigidTransform(POSE.rotation, np.array(translation)), variant)
     assert not estimate
-    assert "out of sight" in str(getattr(estimate, "reason", ""))
+    assert "out of sight" in str(estimate.reason)
 
 
 def test_a_marker_beyond_the_fold_is_not_looked_for() -> None:
@@ -82,7 +85,7 @@ def test_a_hot_pixel_sets_the_papers_threshold_as_printed(frame: Frame) -> None:
     """tau_bin times the largest difference: one pixel doubles it, and every blob is cut higher."""
     tau_bin = options_for("paper").tau_bin
     levels = []
-    for each in (frame, with_hot_pixel(frame, 900, 100)):
+    for each in map(image_pair, (frame, with_hot_pixel(frame, 900, 100))):
         difference = clipped_difference(each)
         level = threshold_dn(
             difference, saturated(each, SCENE.detector), tau_bin, "fraction_of_max"

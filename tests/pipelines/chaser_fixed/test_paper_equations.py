@@ -11,7 +11,6 @@ from skimage.filters import threshold_otsu
 from skimage.measure import label, perimeter, perimeter_crofton, regionprops
 
 from models.arrays import Floats, Mask
-from pipelines.chaser_fixed.identification import identification_gate_px
 from pipelines.chaser_fixed.options import options_for
 from pipelines.detection.area_opening import area_threshold_px, expected_radius_px, open_areas
 from pipelines.detection.binarisation import (
@@ -25,6 +24,7 @@ from pipelines.detection.blobs import find_blobs
 from pipelines.detection.border_margin import border_margin_px, inside_margin
 from pipelines.detection.centroids import weighted_centroids
 from pipelines.detection.circularity import chain_perimeters, circularity, crofton_perimeters
+from pipelines.pnp.identification import identification_gate_px
 from tests.support.synthetic_pair import CAMERA_2048
 
 PAPER = options_for("paper")

@@ -1,20 +1,18 @@
-"""Corners and straight edges of drawings whose corners are known."""
+"""Corners of drawings whose corners are known."""
 
 from __future__ import annotations
 
 import cv2
 import numpy as np
-import pytest
 
 from models.arrays import Floats, Image
 from pipelines.detection.corners import corners_of, find_corners
-from pipelines.detection.line_segments import find_segments, line_corners, merged
 from pipelines.detection.target_region import find_target
 from tests.support.drawn_targets import DETECTOR
 
 SIZE = 256
 BIAS_PX = 0.03  # of the mean over 64 corners of 0.08 px each; half a pixel would be far outside
-RMS_PX = 0.12  # per axis; measured 0.08 and 0.07, unrefined it is 0.9
+RMS_PX = 0.12  # per axis; measured 0.08, unrefined it is 0.9
 NOISE_DN = 0.5
 REACH_PX = 6.0  # how far a bright corner's smoothed light stands out of the noise: 4 sigma and 1 px
 
@@ -45,22 +43,15 @@ def misses(found: Floats, corners: Floats) -> Floats:
     return gap[np.linalg.norm(gap, axis=1) < 3.0]
 
 
-@pytest.fixture(scope="module")
-def errors() -> dict[str, Floats]:
-    by_kind: dict[str, list[Floats]] = {"shi_tomasi": [], "lines": []}
+def test_drawn_corners_are_found_without_bias() -> None:
+    parts = []
     for seed in range(16):
         rng = np.random.default_rng([47, seed])
         centre = (float(rng.uniform(110, 145)), float(rng.uniform(110, 145)))
         corners = quadrangle(float(rng.uniform(8, 82)), centre, 90.0)
         target = find_target(picture(corners, seed), DETECTOR)
-        by_kind["shi_tomasi"].append(misses(corners_of(target, DETECTOR).points_px, corners))
-        by_kind["lines"].append(misses(line_corners(find_segments(target)).points_px, corners))
-    return {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
-
-
-@pytest.mark.parametrize("kind", ["shi_tomasi", "lines"])
-def test_drawn_corners_are_found_without_bias(errors: dict[str, Floats], kind: str) -> None:
-    found = errors[kind]
+        parts.append(misses(corners_of(target, DETECTOR).points_px, corners))
+    found = np.concatenate(parts)
     assert len(found) >= 0.9 * 64
     assert np.abs(found.mean(axis=0)).max() < BIAS_PX
     assert np.sqrt((found**2).mean()) < RMS_PX
@@ -71,7 +62,6 @@ def test_nothing_is_found_where_nothing_shines() -> None:
     sky = np.clip(np.rint(noise), 0, 4095).astype(np.uint16)
     assert not find_target(sky, DETECTOR)
     assert len(find_corners(sky, DETECTOR)) == 0
-    assert len(find_segments(find_target(sky, DETECTOR))) == 0
 
 
 def test_stars_are_no_target() -> None:
@@ -85,14 +75,6 @@ def test_stars_are_no_target() -> None:
     lit = find_target(both, DETECTOR).lit
     row, column = np.nonzero(lit)
     assert np.hypot(row - 128.0, column - 128.0).max() < 60.0 / np.sqrt(2.0) + REACH_PX
-
-
-def test_pieces_of_one_line_are_joined_and_others_are_not() -> None:
-    pieces = np.array([[0.0, 0.0, 40.0, 20.0], [44.0, 22.0, 80.0, 40.0], [0.0, 10.0, 40.0, 30.0]])
-    joined = merged(pieces)
-    assert len(joined) == 2
-    assert np.allclose(sorted(joined[0].tolist()), [0.0, 0.0, 40.0, 80.0])
-    assert len(merged(pieces[[0, 2]])) == 2
 
 
 def test_sigma_tells_noise() -> None:

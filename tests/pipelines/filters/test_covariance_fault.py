@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
-from models.estimate import Detections, PoseEstimate
+from models.estimate import Estimate, PoseEstimate
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import RelativeState
 from models.motion.tumble import Tumble
@@ -39,7 +39,8 @@ def changed(**entries: float) -> Floats:
     return covariance
 
 
-FAULTS: dict[str, tuple[Floats, str]] = {
+FAULTS: dict[str, tuple[Floats | None, str]] = {
+    "none stated": (None, r"no \(6, 6\) covariance"),
     "one NaN": (changed(c03=np.nan), "not finite"),
     "NaN all over": (np.full((6, 6), np.nan), "not finite"),
     "infinite": (changed(c55=np.inf), "not finite"),
@@ -57,9 +58,8 @@ FAULTS: dict[str, tuple[Floats, str]] = {
 }
 
 
-def pose_of(state: RelativeState, covariance: Floats) -> PoseEstimate:
-    nothing = Detections(np.zeros((0, 2)), np.zeros((0, 2)), (), ())
-    return PoseEstimate(0, state.time_s, state.cam_from_target(MOUNT), covariance, nothing, 1.0)
+def pose_of(state: RelativeState, covariance: Floats | None) -> Estimate:
+    return Estimate(0, state.time_s, PoseEstimate(state.cam_from_target(MOUNT), covariance, 1.0))
 
 
 def predicted(options: NavigationOptions) -> tuple[RelativeNavigation, FilteredState]:
@@ -82,7 +82,7 @@ def numbers(state: FilteredState) -> list[Floats]:
 @pytest.mark.parametrize("options", [PAPER, BEST], ids=["paper", "best"])
 @pytest.mark.parametrize(("covariance", "said"), FAULTS.values(), ids=FAULTS.keys())
 def test_a_pose_without_a_true_covariance_is_refused_and_nothing_moves(
-    options: NavigationOptions, covariance: Floats, said: str
+    options: NavigationOptions, covariance: Floats | None, said: str
 ) -> None:
     filters, before = predicted(options)
     now = filters.update(pose_of(TUMBLE.state(1.0), covariance))
@@ -95,7 +95,7 @@ def test_a_pose_without_a_true_covariance_is_refused_and_nothing_moves(
 
 
 @pytest.mark.parametrize(("covariance", "said"), FAULTS.values(), ids=FAULTS.keys())
-def test_the_filters_do_not_start_from_such_a_pose(covariance: Floats, said: str) -> None:
+def test_the_filters_do_not_start_from_such_a_pose(covariance: Floats | None, said: str) -> None:
     filters = RelativeNavigation(BEST, MOUNT)
     with pytest.raises(ValueError, match=said):
         filters.start_from_pose(pose_of(TUMBLE.state(0.0), covariance), TUMBLE.chaser_state(0.0))
@@ -129,10 +129,9 @@ def test_a_time_that_is_none_is_refused_as_a_time(time_s: float) -> None:
 def test_a_pose_far_off_a_sharp_state_leaves_the_paper_sane() -> None:
     """78 deg off, in a filter that has no gate: its covariance stays positive, its rate finite."""
     filters, _ = predicted(PAPER)
-    state = TUMBLE.state(1.0)
-    pose = pose_of(state, GOOD)
-    off = pose.cam_from_target.perturbed([np.deg2rad(78.0), 0.0, 0.0], np.zeros(3))
-    now = filters.update(PoseEstimate(0, 1.0, off, GOOD, pose.detections, 1.0))
+    pose = TUMBLE.state(1.0).cam_from_target(MOUNT)
+    off = pose.perturbed([np.deg2rad(78.0), 0.0, 0.0], np.zeros(3))
+    now = filters.update(Estimate(0, 1.0, PoseEstimate(off, GOOD, 1.0)))
     assert positive(now.rotation_covariance)
     assert positive(now.translation_covariance)
     speed_deg_s = np.rad2deg(np.linalg.norm(now.state.omega_target_wrt_lvlh_in_target))

@@ -11,7 +11,7 @@ import pytest
 import pipelines
 from models.pose import pose_error
 from pipelines.pnp.hypotheses import propose_match
-from pipelines.tracking.motion_prediction import PredictedPose
+from pipelines.pnp.predicted_pose import PredictedPose
 from tests.support.synthetic_pair import CAMERA_2048, PATTERN, facing_pose
 
 VOTE_PX, NOISE_PX = 3.0, 0.1

@@ -14,9 +14,10 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.pose import RigidTransform, pose_error
-from pipelines.chaser_fixed.options import LevenbergMarquardtOptions, options_for
+from pipelines.chaser_fixed.options import options_for
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
+from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 from tests.support.synthetic_pair import CAMERA_2048, PATTERN, drawn_prior, facing_pose
 
 EXACT_M, EXACT_RAD = 1e-9, 1e-9

@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 import pytest
 
-from models.frame import MarkerPattern
+from models.markers import MarkerPattern
 from models.pose import RigidTransform, pose_error
-from pipelines.chaser_fixed.match import Match, Solution
 from pipelines.chaser_fixed.options import options_for
 from pipelines.pnp import robust_pose
+from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.mirrored_pose import mirrored_pose, rival_of
+from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import solve_match
-from pipelines.tracking.motion_prediction import PredictedPose
 from tests.support.synthetic_pair import CAMERA_2048, PATTERN, facing_pose
 
 SIGMA_PX = 0.077  # Opromolla et al. 2022, Table 13: of a centroid

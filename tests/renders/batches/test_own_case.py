@@ -13,6 +13,7 @@ from rich.console import Console
 
 from models.camera import Camera
 from models.dataset.dataset import Dataset, open_dataset
+from models.dataset.marker_file import read_markers
 from renders.batches.replay import exposed_frames
 from renders.scenario.scenario import RenderRequest, read_scenario
 from renders.truth.exposure_truth import read_exposures
@@ -85,6 +86,14 @@ def test_the_pipeline_knows_another_camera_another_clock_and_the_survey(own: Dat
     assert [truths[frame, 850].time_s for frame in (0, 1)] == [0.0, 10.0]
 
 
+def test_the_markers_as_installed_are_sealed_where_the_survey_is_off(own: Dataset) -> None:
+    installed = read_markers(own.folder / "truth" / "markers.toml")
+    places = np.array([row["point_in_target_m"] for row in OWN_MARKERS["marker"]])
+    np.testing.assert_array_equal(installed.points_in_target, places)
+    assert own.onboard.markers is not None
+    assert 0.0 < np.abs(own.onboard.markers.points_in_target - places).max() < 0.006
+
+
 def test_the_sealed_scenario_needs_no_file_of_the_users(own: Dataset) -> None:
     scenario = read_scenario(own.folder / "truth" / "scenario.toml")
     assert scenario.fingerprint() == own.info.provenance["scenario"]
@@ -116,6 +125,7 @@ def test_single_images_of_poses_are_a_dataset_too(tmp_path: Path) -> None:
     }
     dataset = rendered(tmp_path, table, width=96)
     assert dataset.info.chain == "posed_images"
+    assert not (dataset.folder / "truth" / "markers.toml").exists()
     assert [frame.image("image").image.shape for frame in dataset.frames()] == [(60, 96)] * 2
     assert dataset.frame(0).image("image").image.max() > 150  # something is there, above the bias
     truths = read_posed_truths(dataset.folder)

@@ -242,12 +242,9 @@ def test_typed_exposures_are_linear_between_their_instants(tumbled: TinyTumble) 
 # Refusals
 
 
-def test_what_needs_markers_or_another_sky_is_refused(tumbled: TinyTumble) -> None:
+def test_what_needs_another_sky_is_refused(tumbled: TinyTumble) -> None:
     before = tumbled.files()
-    for options, said in (
-        ({"keep_light": "markers"}, "expected --keep-light all or none"),
-        ({"sun": "S2"}, "in the inertial frame"),
-    ):
+    for options, said in (({"sun": "S2"}, "in the inertial frame"),):
         with pytest.raises(ScenarioError, match=said):
             TinyTumble(replace(tumbled.request, **options)).render()  # type: ignore[arg-type]
     assert tumbled.files() == before

@@ -1,4 +1,4 @@
-"""What is kept of a run's light: whole groups, marker windows or nothing, and the same frames."""
+"""What is kept of a run's light: of all frames, of some or of none, and the same frames."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ from renders.batches.studio import Studio
 from renders.store.budget import GB, stored
 from renders.store.claims import live_claims, read_claims
 from renders.store.kept_light import LightKeeping, checked_budget, exposure_bytes, keeping
-from renders.store.kept_windows import read_windows, windows_by_marker, write_windows
-from renders.store.radiance_store import as_half
 from renders.store.sealed_exr import read_exr
 from renders.tracing.light_groups import LightGroup
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
@@ -32,7 +30,6 @@ from tests.renders.conftest import TinyDataset
 
 FRAMES, EXPOSURES = 2, 4
 NAMES = [f"{frame:06d}_{band}" for frame in range(FRAMES) for band in (800, 850)]
-FEW_KB = 4096  # of headers: a window's numbers are many times fewer than an image's
 
 
 Again: TypeAlias = Callable[..., TinyDataset]
@@ -102,10 +99,6 @@ def size(dataset: TinyDataset) -> int:
     return sum(entry.cost_bytes for entry in stored(dataset.store.folder))
 
 
-def windows(dataset: TinyDataset, name: str) -> Path:
-    return dataset.folder / "truth" / "marker_windows" / f"{name}.exr"
-
-
 # The frames are the same whatever is kept
 
 
@@ -121,45 +114,12 @@ def test_nothing_is_kept_and_the_frames_are_the_same(
 
 
 @pytest.mark.usefixtures("traced_before")
-def test_windows_of_all_frames_and_whole_groups_of_some_are_kept(
-    again: Again, rendered_once: TinyDataset
-) -> None:
-    dataset = again(keep_light="markers", keep_every=2)
+def test_the_light_of_some_frames_is_kept(again: Again, rendered_once: TinyDataset) -> None:
+    dataset = again(keep_light="some", keep_every=2)
     dataset.render()
     assert frames(dataset) == frames(rendered_once)
     assert entries(dataset) == 2 * 3  # the first frame's: Sun, lamps and geometry of each band
-    assert [name for name in NAMES if windows(dataset, name).is_file()] == NAMES
     assert "4 of 4 exposures are there already" in dataset.render()
-
-
-@pytest.mark.usefixtures("traced_before")
-def test_windows_are_cut_out_of_the_whole_groups_to_the_bit(
-    again: Again, rendered_once: TinyDataset
-) -> None:
-    """Those of the frame that is not kept whole, against a run that kept it."""
-    dataset = again(keep_light="markers", keep_every=2)
-    dataset.render()
-    world, markers = rendered_once.world, rendered_once.world.target.markers
-    assert markers is not None
-    for exposure in world.exposures[2:]:
-        name = f"{exposure.frame:06d}_{exposure.band}"
-        kept = read_windows(windows(dataset, name))
-        pose = world.trajectory.cam_from_target(exposure.time_s)
-        expected = windows_by_marker(markers, world.camera, pose)
-        assert kept is not None
-        assert kept.keys() == expected.keys()
-        assert len(kept) >= 8
-        keys = light_keys(rendered_once, name)
-        whole = {group: rendered_once.store.read(key) for group, key in keys.items()}
-        for marker, window in kept.items():
-            left, top, width, height = expected[marker]
-            assert (window.left, window.top) == (left, top)
-            assert window.groups.keys() == whole.keys()
-            for group, image in window.groups.items():
-                cut = whole[group][top : top + height, left : left + width]
-                np.testing.assert_array_equal(image, cut)
-        bright = max(window.groups[f"lamps_{exposure.band}"].max() for window in kept.values())
-        assert bright > 0.0
 
 
 def light_keys(dataset: TinyDataset, name: str) -> dict[str, str]:
@@ -169,26 +129,14 @@ def light_keys(dataset: TinyDataset, name: str) -> dict[str, str]:
     return dict(table["exposures"][name])
 
 
-def test_windows_are_kept_from_light_that_is_in_the_store(
-    tiny: TinyDataset, traced_before: list[tuple[int, int]]
-) -> None:
-    """A dataset that was rendered whole gains its windows, and no light is traced for it."""
-    before = frames(tiny)
-    with_windows = TinyDataset(replace(tiny.request, keep_light="markers"))
-    assert "0 of 4 exposures are there already" in with_windows.render()
-    assert traced_before == []
-    assert frames(tiny) == before
-    assert all(windows(tiny, name).is_file() for name in NAMES)
-
-
 def test_light_that_was_not_kept_is_told_and_comes_back(
     again: Again, rendered_once: TinyDataset, traced_before: list[tuple[int, int]]
 ) -> None:
-    dataset = again(keep_light="markers", keep_every=2)
+    dataset = again(keep_light="some", keep_every=2)
     dataset.render()
     _, replayed = exposed_frames(dataset.folder, run=1)
-    next(replayed)  # kept whole
-    with pytest.raises(DatasetError, match=r"rendered with --keep-light markers --keep-every 2"):
+    next(replayed)  # kept
+    with pytest.raises(DatasetError, match=r"rendered with --keep-light some --keep-every 2"):
         next(replayed)
     traced_before.clear()
     again(seeds=2).render()
@@ -306,10 +254,10 @@ def test_a_flipped_byte_is_found_and_that_entry_rendered_again_to_the_same_bits(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"keep_every": 5}, "only with --keep-light markers, got it with all"),
+        ({"keep_every": 5}, "only with --keep-light some, got it with all"),
         ({"keep_light": "none", "keep_every": 5}, "got it with none"),
-        ({"keep_light": "markers", "keep_every": 0}, "of at least 1, got 0"),
-        ({"keep_light": "markers", "seeds": 2}, "expected --keep-light all with --seeds 2"),
+        ({"keep_light": "some", "keep_every": 0}, "of at least 1, got 0"),
+        ({"keep_light": "some", "seeds": 2}, "expected --keep-light all with --seeds 2"),
         ({"keep_light": "none", "seeds": 2}, "expected --keep-light all with --seeds 2"),
         ({"store_budget_gb": 1e-4}, r"of at least 0\.0004.* 2 light groups at 128 x 128.*0\.0001"),
     ],
@@ -329,12 +277,12 @@ def test_no_budget_is_too_small_for_keeping_nothing(again: Again) -> None:
     assert checked_budget(dataset.request, dataset.world) == pytest.approx(1e-9 * GB)
 
 
-def test_what_is_kept_whole(again: Again) -> None:
-    kept = keeping(again(keep_light="markers").request)
-    assert str(kept) == "--keep-light markers --keep-every 10"
-    assert [frame for frame in range(25) if kept.keeps_whole(frame)] == [0, 10, 20]
-    assert all(LightKeeping().keeps_whole(frame) for frame in range(3))
-    assert not any(LightKeeping("none").keeps_whole(frame) for frame in range(3))
+def test_which_frames_keep_their_light(again: Again) -> None:
+    kept = keeping(again(keep_light="some").request)
+    assert str(kept) == "--keep-light some --keep-every 10"
+    assert [frame for frame in range(25) if kept.keeps(frame)] == [0, 10, 20]
+    assert all(LightKeeping().keeps(frame) for frame in range(3))
+    assert not any(LightKeeping("none").keeps(frame) for frame in range(3))
 
 
 def test_an_exposure_never_takes_more_than_is_reckoned(rendered_once: TinyDataset) -> None:
@@ -351,37 +299,3 @@ def test_an_exposure_never_takes_more_than_is_reckoned(rendered_once: TinyDatase
     key = next(iter(light_keys(rendered_once, NAMES[0]).values()))
     store.write(key, noise.view(np.float16).astype(np.float32))
     assert 2 * 128 * 128 < store.path(key).stat().st_size < 2 * 128 * 128 + 65536
-
-
-# The windows' file
-
-
-def test_windows_read_back_where_they_lie_even_when_they_overlap(tmp_path: Path) -> None:
-    rng = np.random.default_rng(8)
-    names = ("sun_+0.123456_-0.500000_+1.000000", "lamps_850")
-    groups = {name: rng.random((40, 60), dtype=np.float32) for name in names}
-    asked = {"A1": (0, 0, 10, 12), "A2": (5, 5, 10, 10), "B1": (57, 38, 3, 2)}
-    write_windows(tmp_path / "w.exr", asked, groups)
-    read = read_windows(tmp_path / "w.exr")
-    assert read is not None
-    assert read.keys() == asked.keys()
-    for marker, (left, top, width, height) in asked.items():
-        assert (read[marker].left, read[marker].top) == (left, top)
-        for name, whole in groups.items():
-            cut = as_half(whole)[top : top + height, left : left + width]
-            np.testing.assert_array_equal(read[marker].groups[name], cut.astype(np.float32))
-
-
-def test_no_marker_in_the_image_is_no_window(tmp_path: Path) -> None:
-    write_windows(tmp_path / "w.exr", {}, {"sun": np.ones((4, 4), dtype=np.float32)})
-    assert read_windows(tmp_path / "w.exr") == {}
-
-
-def test_a_damaged_file_of_windows_is_none(tmp_path: Path) -> None:
-    path = tmp_path / "w.exr"
-    assert read_windows(path) is None
-    write_windows(path, {"A": (0, 0, 4, 4)}, {"sun": np.ones((4, 4), dtype=np.float32)})
-    data = bytearray(path.read_bytes())
-    data[-20] ^= 4
-    path.write_bytes(bytes(data))
-    assert read_windows(path) is None

@@ -85,7 +85,7 @@ UNCHANGED: dict[str, dict[str, Any]] = {
     "metered exposure": {"exposure": {"mode": "auto"}},
     "prior": {"prior": {"sigma_t_m": (0.1, 0.1, 0.1)}},
     "calibration": {"calibration": {"sigma_focal_px": 1.0}},
-    "clock": {"motion": {"rate_hz": 0.1, "end_s": 200.0, "pair_gap_ms": 20.0}},
+    "clock": {"motion": {"rate_hz": 0.1, "start_s": 0.0, "end_s": 200.0, "pair_gap_ms": 20.0}},
 }
 
 

@@ -219,3 +219,22 @@ def test_markers_out_of_sight_need_no_windows() -> None:
     away = camera_at(np.array([20.0, 0.0, 2.0]))
     frame = images(MARKERS, 4, 64, seed=3, pose=away)
     assert (frame["lamps"] == 0.0).all()
+
+
+@pytest.mark.parametrize("markers", [MARKERS, None])
+def test_what_shows_nothing_is_dark_and_traced_for_nothing(markers: MarkerPattern | None) -> None:
+    """No pixel in view, and no marker in the image: an image all the same."""
+    from renders.tracing.radiance import Sampling, render_radiance
+
+    geometry, scene = loaded()
+    away = RigidTransform(POSE.rotation, np.array([0.0, 0.0, -5.0]))
+    nothing = np.zeros((CAMERA.height, CAMERA.width), dtype=bool)
+    sampling = Sampling(samples=4, marker_samples=16, max_depth=2, seed=1)
+    images = render_radiance(
+        scene, geometry, CAMERA, away, [SUN, LAMPS], markers, sampling, nothing
+    )
+    assert set(images) == {"sun", "lamps"}
+    for image in images.values():
+        assert image.shape == (CAMERA.height, CAMERA.width)
+        assert image.dtype == np.float32
+        assert not image.any()

@@ -16,7 +16,7 @@ from models.lights.earth import Earth
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from renders.scenario.scenario import Scenario
-from renders.tracing.silhouette import MARGIN_PX, pieces_of, pixels_in_view, sees
+from renders.tracing.silhouette import MARGIN_PX, in_sight, pieces_of, pixels_in_view, sees
 from renders.tracing.windows import window_around
 from renders.world.build import world_of
 from renders.world.world import World
@@ -68,6 +68,18 @@ def test_a_piece_beyond_a_side_of_the_image_or_behind_the_camera_is_left_out(
     seen = pixels_in_view(corners(ball_at(*place)), CAMERA, ahead(0.5))
     assert seen is not None
     assert not seen.any()
+
+
+@pytest.mark.parametrize("camera", [CAMERA, replace(CAMERA, k1=-0.1, p1=1e-3)])
+def test_a_ball_is_in_sight_until_it_is_beyond_a_side_or_behind(camera: Camera) -> None:
+    """At 10 m half the image is 10 tan 25 deg wide, a little more through a barrel lens."""
+    half_m = 10.0 * np.tan(np.deg2rad(25.0))
+    for aside_m, seen in ((0.0, True), (half_m + 0.9, True), (1.2 * half_m + 1.1, False)):
+        for sign in (-1.0, 1.0):
+            ball = ball_at(sign * aside_m, 0.0, 0.0)
+            assert in_sight(corners(ball), camera, ahead(10.0)) is seen
+    assert not in_sight(corners(ball_at(0.0, 0.0, 0.0)), camera, ahead(-5.0))
+    assert in_sight(corners(ball_at(0.0, 0.0, 0.0)), camera, ahead(0.5))
 
 
 def test_the_chasers_own_parts_and_the_markers_are_pieces_too() -> None:

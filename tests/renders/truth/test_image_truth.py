@@ -79,6 +79,36 @@ def test_damaged_or_absent_truth_is_named(tmp_path: Path) -> None:
         read_image_truths(folder)
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("frame", 0.5),
+        ("frame", -1),
+        ("time_s", True),
+        ("time_s", 1e200),
+        ("R_cam_from_target", np.zeros((3, 3)).tolist()),
+        ("sun_dir_in_target", [0.6, 0.0, 0.9]),
+        ("landmarks_visible", [True]),
+        ("landmarks_px", [[1.0, None, 2.0]]),
+        ("landmarks_visible", [1, 0]),
+        ("state", None),
+    ],
+)
+def test_truth_that_cannot_be_is_refused_by_line_and_key(
+    key: str, value: object, tmp_path: Path
+) -> None:
+    broken = truth_of(1).to_json() | {key: value}
+    folder = written(tmp_path, [json.dumps(truth_of(0).to_json()), json.dumps(broken)])
+    with pytest.raises(DatasetError, match=rf"exposures\.jsonl:2: expected one exposure: {key}"):
+        read_image_truths(folder)
+
+
+def test_a_frame_comes_once(tmp_path: Path) -> None:
+    folder = written(tmp_path, 2 * [json.dumps(truth_of(0).to_json())])
+    with pytest.raises(DatasetError, match=r"jsonl:2: expected each frame and band once.* line 1"):
+        read_image_truths(folder)
+
+
 def test_of_a_cube_the_lens_sees_the_corners_of_the_faces_towards_it() -> None:
     """A corner of a convex body is seen if any of its three faces looks at the lens."""
     activate_best()

@@ -253,7 +253,7 @@ def test_a_blur_is_told_where_its_table_is() -> None:
     ("tables", "said"),
     [
         ({"camera": {"fx": {"offset": -3000.0}}}, "fx in px above zero"),
-        ({"camera": {"k1": {"offset": -5.0}}}, "folds the image over"),
+        ({"camera": {"k1": {"offset": -5.0}}}, "one-to-one"),
         ({"detector": {"gain_e_dn": {"offset": -30.0}}}, "a gain of -4 e/DN"),
         ({"detector": {"bias_dn": {"offset": 5000.0}}}, "at least 10 DN between bias"),
         ({"optics": {"psf_sigma_px": {"offset": -1.0}}}, "a blur of -0.3 px"),

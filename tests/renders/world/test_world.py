@@ -17,6 +17,7 @@ from models.pose import RigidTransform
 from renders.scenario.scenario import RenderRequest, Scenario, case_names, check_scenario, resolve
 from renders.tracing.light_groups import EarthGroup
 from renders.world.build import world_of
+from renders.world.checks import shown_in_some_image
 from renders.world.sky import sun_group
 from renders.world.world import World
 
@@ -57,6 +58,21 @@ def test_a_camera_inside_the_target_is_refused_with_the_time() -> None:
     assert "motion.end_s" in said
     place = world().trajectory.cam_from_target(time_s).inverse().translation
     assert place[2] < 0.1  # it is really at the ring plane or below, not merely near the craft
+
+
+def test_a_motion_that_never_shows_the_target_is_refused() -> None:
+    """Past the ring plane the camera looks away from it; one image that shows it is enough."""
+    with pytest.raises(ScenarioError, match="out of view in all 4, from 600 to 601 s"):
+        world(start_s=600.0, end_s=601.0, rate_hz=1.0).check_poses()
+    shown_in_some_image(world(start_s=5500.0, end_s=6500.0, rate_hz=0.002))  # in the first alone
+
+
+def test_lamps_too_faint_for_the_schedule_are_refused() -> None:
+    faint = world_with(lamps={"intensity_w_sr": 1e-3})
+    with pytest.raises(
+        ScenarioError, match=r"below motion\.pair_gap_ms, 33 ms.* lamps.intensity_w_sr"
+    ):
+        faint.check_poses()
 
 
 @pytest.mark.parametrize("case", case_names())

@@ -135,3 +135,16 @@ def test_no_state_is_no_number():
     said = Estimate(0, 0.0, reason="none", detections=NOTHING, mode="searching")
     error = navigation_error(said, state(np.random.default_rng(6)), CAM_FROM_LVLH)
     assert np.isnan(error.row()).all()
+
+
+def test_a_mount_that_is_told_wrong_is_no_error_of_the_images_own_pose():
+    """The camera's pose is judged by the camera's truth; a state derived by the mount is not."""
+    truth = state(np.random.default_rng(7), rho=np.array([0.0, 30.0, 0.0]))
+    seen = truth.cam_from_target(CAM_FROM_LVLH)
+    told = CAM_FROM_LVLH.perturbed(np.deg2rad([0.0, 1.0, 0.0]), [0.01, 0.0, 0.0])
+    pose = PoseEstimate(seen, np.eye(6), 1.0)
+    said = Estimate(0, 0.0, pose, detections=NOTHING, mode="tracked")
+    judged = navigation_error(said, truth, told, seen)
+    assert (judged.raw_position_m, judged.raw_attitude_deg) == (0.0, pytest.approx(0.0, abs=1e-6))
+    by_the_told_mount = navigation_error(said, truth, told)
+    assert by_the_told_mount.raw_attitude_deg == pytest.approx(1.0, abs=1e-6)

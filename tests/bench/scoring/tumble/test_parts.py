@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from bench import api
 from bench.chains.catalogue import chain_named
 from bench.estimating.runs import estimates_path
-from bench.estimating.starts import chosen_starts, read_starts, starts_path, try_starts
+from bench.estimating.tumble.starts import chosen_starts, read_starts, starts_path, try_starts
 from bench.report.summary import print_summary
 from bench.scoring.score import read_score
 from bench.scoring.tumble.judged_images import confusion_of, lit_landmarks

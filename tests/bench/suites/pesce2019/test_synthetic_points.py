@@ -9,6 +9,7 @@ from bench.suites.pesce2019.synthetic_points import PointNoise, point_frame, poi
 from models.camera import camera_preset
 from models.motion.chaser_navigation import SIGMA_M, SIGMA_M_S
 from models.spacecraft.wireframes import wireframe_by_name
+from pipelines.uncooperative.knowledge import PointFrame, seen
 
 CAMERA = camera_preset("chaser_fixed")
 TARGET = wireframe_by_name("xmm")
@@ -106,21 +107,25 @@ def test_more_noise_is_the_same_noise_larger():
 
 def test_a_frame_is_the_same_whatever_was_drawn_before():
     noise = PointNoise(2.0, 1)
-    first = point_frame(TUMBLE, TARGET, CAMERA, noise, 7.0, (0, 3, 7))
+    first = seen(point_frame(TUMBLE, TARGET, CAMERA, noise, 7.0, (0, 3, 7)))
     point_frame(TUMBLE, TARGET, CAMERA, noise, 8.0, (0, 3, 8))
-    again = point_frame(TUMBLE, TARGET, CAMERA, noise, 7.0, (0, 3, 7))
+    again = seen(point_frame(TUMBLE, TARGET, CAMERA, noise, 7.0, (0, 3, 7)))
+    assert isinstance(first, PointFrame)
+    assert isinstance(again, PointFrame)
     np.testing.assert_array_equal(first.points_px, again.points_px)
     np.testing.assert_array_equal(
         first.chaser.position_in_inertial, again.chaser.position_in_inertial
     )
-    other = point_frame(TUMBLE, TARGET, CAMERA, noise, 7.0, (0, 4, 7))
+    other = seen(point_frame(TUMBLE, TARGET, CAMERA, noise, 7.0, (0, 4, 7)))
+    assert isinstance(other, PointFrame)
     assert not np.isin(first.points_px, other.points_px).any()
 
 
 def test_the_chaser_is_known_as_well_as_section_v_b_3_says():
     noise = PointNoise(2.0, 1)
     frames = [
-        point_frame(TUMBLE, TARGET, CAMERA, noise, float(t), (0, 0, t)).chaser for t in range(200)
+        seen(point_frame(TUMBLE, TARGET, CAMERA, noise, float(t), (0, 0, t))).chaser
+        for t in range(200)
     ]
     truths = [TUMBLE.chaser_state(float(t)) for t in range(200)]
     for name, sigma in (("position_in_inertial", SIGMA_M), ("velocity_in_inertial", SIGMA_M_S)):

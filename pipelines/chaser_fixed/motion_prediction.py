@@ -12,35 +12,10 @@ from models.arrays import Floats
 from models.pose import RigidTransform, euler_321_from_rotation
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.options import ChaserFixedOptions
+from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 
-LEAST_VARIANCE = 1e-12  # rad^2 and m^2: keeps a prediction without uncertainty invertible
 LONGEST_REACH = 20.0  # an extrapolation beyond this many of its baselines is held there
-
-
-@dataclass(frozen=True, eq=False)
-class PredictedPose:
-    """Where the target should be.
-
-    Attributes
-    ----------
-    pose : RigidTransform
-        ``cam_from_target``.
-    covariance : (6, 6) array, rad and m
-        Rotation first, as in ``RigidTransform.perturbed``.
-    lost_frames : int
-        Frames without a pose since the last one.
-    """
-
-    pose: RigidTransform
-    covariance: Floats
-    lost_frames: int
-
-    def squared_distance(self, pose: RigidTransform) -> float:
-        """Return how far another pose lies from this one, squared, in sigmas of all six."""
-        turn = Rotation.from_matrix(pose.rotation @ self.pose.rotation.T).as_rotvec()
-        away = np.concatenate([turn, pose.translation - self.pose.translation])
-        return float(away @ np.linalg.solve(self.covariance + LEAST_VARIANCE * np.eye(6), away))
 
 
 @dataclass(frozen=True, eq=False)

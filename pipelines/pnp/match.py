@@ -35,7 +35,7 @@ class Match:
         return np.sqrt(np.diagonal(self.covariance_px2, axis1=1, axis2=2))
 
     def kept(self, keep: Mask) -> Match:
-        """Return only the pairs marked True."""
+        """Return only the pairs marked True, of (n,)."""
         return Match(self.points_px[keep], self.covariance_px2[keep], self.marker[keep])
 
     def widened(self, variance_px2: float) -> Match:

@@ -95,6 +95,15 @@ def chosen_starts(
     """Return, by start, the frames that it may look at: starts evenly spread over a dataset.
 
     The last starts have images left to go on to, where the dataset has enough.
+
+    Parameters
+    ----------
+    indices : list of int
+        Of the dataset's frames.
+    starts : int
+        How many; fewer where the dataset has no other places for them.
+    most_images : int
+        That each may look at.
     """
     last = max(0, len(indices) - most_images)
     places = dict.fromkeys(np.linspace(0, last, starts).round().astype(int).tolist())

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.arrays import Floats, Indices
-from pipelines.chaser_fixed.identification import nearest_neighbour, one_to_one
+from pipelines.pnp.identification import nearest_neighbour, one_to_one
 
 coordinates = st.tuples(st.floats(0.0, 500.0), st.floats(0.0, 500.0))
 

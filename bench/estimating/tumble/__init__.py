@@ -1,0 +1,1 @@
+"""What is tried of a tumbling target beside a run: acquisition without a prior, many times."""

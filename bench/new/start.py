@@ -1,0 +1,71 @@
+"""Write a file or a package to start from."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from models.errors import ScenarioError
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+
+def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]:
+    """Write what to start from; what is there already is never written over.
+
+    Parameters
+    ----------
+    kind : str
+        case, camera or pipeline.
+    name : str
+        The file will be NAME.toml, the package the folder NAME.
+    folder : Path
+        Where.
+
+    Returns
+    -------
+    place : Path
+        What was written.
+    advice : str
+        What to type next.
+
+    Raises
+    ------
+    ScenarioError
+        If the name cannot be, or something of that name is there.
+    """
+    from models.atomic_file import write_text
+
+    given, name = name, name if kind == "pipeline" else name.removesuffix(".toml")
+    if not NAME.fullmatch(name):
+        raise ScenarioError(
+            f"expected a name of letters, digits, '.', '_' and '-', got {given!r}; it is "
+            "written into the working directory"
+        )
+    place = folder / (name if kind == "pipeline" else f"{name}.toml")
+    if os.path.lexists(place):
+        raise ScenarioError(
+            f"expected nothing at {place} yet, there is something; nothing was changed: "
+            "choose another name"
+        )
+    files, advice = _files(kind, name)
+    for file, text in files.items():
+        write_text(place / file if kind == "pipeline" else folder / file, text)
+    return place, advice
+
+
+def _files(kind: str, name: str) -> tuple[dict[str, str], str]:
+    """Return the texts of what is written, by name, and what to type next."""
+    if kind == "case":
+        from bench.new.case_text import case_text
+
+        return {f"{name}.toml": case_text(name)}, f"rvbench run {name}.toml --out out/{name}"
+    if kind == "camera":
+        from bench.new.camera_text import camera_text
+
+        advice = f"rvbench estimate --frames DIR --camera {name}.toml --prior prior.toml"
+        return {f"{name}.toml": camera_text(name)}, advice
+    from bench.new.pipeline_text import pipeline_files
+
+    return pipeline_files(name), f"pip install --editable ./{name}, then rvbench estimate DIR"
