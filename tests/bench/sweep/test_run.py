@@ -203,17 +203,11 @@ def test_it_says_what_a_run_of_the_same_moment_and_sun_says(
     record = read_shot(sweep.out, result.shots[result.settings[0], result.plan.suns[1].text])
     assert record is not None
     swept = record.estimates["best"]
-<<<<<<< HEAD
     assert swept.pose is not None
     assert alone.pose is not None
     assert swept.detections is not None
     assert alone.detections is not None
     assert swept.detections.points_px.tolist() == alone.detections.points_px.tolist()
-=======
-    assert isinstance(swept.pose, PoseEstimate)
-    assert isinstance(alone.pose, PoseEstimate)
-    assert swept.detected.points_px.tolist() == alone.detected.points_px.tolist()
->>>>>>> cli
     np.testing.assert_allclose(
         swept.pose.cam_from_target.matrix(),
         alone.pose.cam_from_target.matrix(),
