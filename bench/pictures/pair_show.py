@@ -31,6 +31,7 @@ WINDOW_RADII = 2.2  # half a zoomed window, in radii of the marker's image
 SMALLEST_WINDOW_PX = 6.0
 COLUMNS = 5
 PANEL_PX = 610
+IMAGES_INCHES = 6.6  # high, where they are square
 OUTSIDE_PX = -1e9  # where a marker behind the camera is drawn: nowhere
 INK, PAPER = "#e8e8e8", "#15181c"
 
@@ -39,10 +40,11 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
     """Draw a pair laid open, (height, width, 3), RGB."""
     shown = _shown_markers(record)
     rows = max(1, -(-len(shown) // COLUMNS))
-    figure = Figure(figsize=(20.0, 8.2 + 4.0 * rows), dpi=DPI, facecolor=PAPER)
+    images = IMAGES_INCHES * record.camera.height / record.camera.width
+    figure = Figure(figsize=(20.0, images + 1.6 + 4.0 * rows), dpi=DPI, facecolor=PAPER)
     canvas = FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
-        2, 1, height_ratios=[6.6, 3.9 * rows], left=0.03, right=0.985, top=0.9, bottom=0.02,
+        2, 1, height_ratios=[images, 3.9 * rows], left=0.03, right=0.985, top=0.9, bottom=0.02,
         hspace=0.1,
     )  # fmt: skip
     _draw_images(figure, grid[0].subgridspec(1, 3, wspace=0.08), record)
