@@ -118,11 +118,9 @@ def test_an_error_is_told_with_digits_that_say_something(scored_dataset):
     """However small: never +0.00, never -0.00."""
     record = FrameRecords(scored_dataset.folder).record(1)
     truth = record.truth.cam_from_target
-    near = dataclasses.replace(
-        record.estimate.pose,
-        cam_from_target=truth.perturbed([0.0, 0.0, 0.0], [-2e-6, 0.0, 3.14159e-4]),
-    )
-    said = dataclasses.replace(record.estimate, pose=near)
-    told = verdict(dataclasses.replace(record, estimate=said))
+    near = truth.perturbed([0.0, 0.0, 0.0], [-2e-6, 0.0, 3.14159e-4])
+    pose = dataclasses.replace(record.estimate.pose, cam_from_target=near)
+    estimate = dataclasses.replace(record.estimate, pose=pose)
+    told = verdict(dataclasses.replace(record, estimate=estimate))
     minus = "\N{MINUS SIGN}"
     assert told.startswith(f"position error {minus}0.00200, 0, +0.314 mm; attitude ")

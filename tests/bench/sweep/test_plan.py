@@ -41,7 +41,7 @@ def test_poses_suns_and_pipelines():
     assert asked.poses[2].time_s == 10.0
     assert len(asked.poses) == 3
     assert [sun.name for sun in asked.suns] == list(SUN_CASES_DEG)
-    assert asked.pipelines == ("paper",)
+    assert [each.label for each in asked.pipelines] == ["paper"]
     assert len(plan(range_m=(2.5,)).suns) == 188
     assert len(plan(range_m=(2.5,), sun_step_deg=45.0).suns) == 22
 

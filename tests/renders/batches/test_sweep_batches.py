@@ -27,6 +27,7 @@ from renders.scenario.scenario import RenderRequest, Scenario, resolve
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore
 from renders.tracing.light_groups import LampGroup, SunGroup
+from renders.truth.exposure_truth import ExposureTruth
 from renders.world.build import world_of
 from tests.support.small_scenes import needs_jit
 
@@ -72,21 +73,21 @@ def test_a_batch_stays_within_the_memory_given(width: int) -> None:
     camera = camera_preset("chaser_fixed").resized(width)
     one_sum_gb = width * width * BYTES_PER_SAMPLE_SUM / GIBI
     for memory_gb in (1.0, 2.0, 8.0):
-        suns = suns_in_a_batch(camera, memory_gb)
+        suns = suns_in_a_batch(camera, 2, memory_gb)
         assert 1 <= suns <= MOST_SUNS
         assert suns * one_sum_gb < memory_gb
-    assert suns_in_a_batch(camera, 64.0) == MOST_SUNS
+    assert suns_in_a_batch(camera, 2, 64.0) == MOST_SUNS
     with pytest.raises(ScenarioError, match="expected --memory-gb of at least"):
-        suns_in_a_batch(camera, 0.5)
+        suns_in_a_batch(camera, 2, 0.5)
     with pytest.raises(ScenarioError, match="expected --memory-gb of at least"):
-        suns_in_a_batch(camera, float("nan"))
+        suns_in_a_batch(camera, 2, float("nan"))
     pair_bytes = 2 * 2 * width * width  # of half floats
     for pairs in (4, 10, 1000):  # a batch and the lamps fit into half the store
-        suns = suns_in_a_batch(camera, 64.0, pairs * pair_bytes)
+        suns = suns_in_a_batch(camera, 2, 64.0, pairs * pair_bytes)
         assert 1 <= suns < pairs
         assert (suns + 1) * pair_bytes <= 0.5 * pairs * pair_bytes
     with pytest.raises(ScenarioError, match="expected --store-budget-gb of at least"):
-        suns_in_a_batch(camera, 64.0, 3.9 * pair_bytes)
+        suns_in_a_batch(camera, 2, 64.0, 3.9 * pair_bytes)
 
 
 def test_keys_are_those_of_a_single_run(scenario: Scenario, tmp_path: Path) -> None:
@@ -160,13 +161,14 @@ def test_truth_tells_how_much_each_sun_lights(scenario: Scenario, tmp_path: Path
     """Markers face +z: straight up lights them all but for shadows, straight down none."""
     needs_jit()
     light = pose_light(scenario, tmp_path)
-    truth, sun_lit = light.truth()
-    assert set(sun_lit) == {sun.text for sun in SUNS}
-    assert np.max(sun_lit["0,0,-1"]) == 0.0
-    assert np.max(sun_lit["S2"]) > 0.9
-    assert truth.band == 850
-    assert truth.time_s == TIME_S
-    np.testing.assert_allclose(
-        truth.cam_from_target.matrix(),
-        light.studio.world.trajectory.cam_from_target(TIME_S).matrix(),
-    )
+    truths = light.truths()
+    assert set(truths) == {sun.text for sun in SUNS}
+    pose = light.studio.world.trajectory.cam_from_target(TIME_S).matrix()
+    lit = {}
+    for text, truth in truths.items():
+        assert isinstance(truth, ExposureTruth)
+        assert (truth.band, truth.time_s) == (850, TIME_S)
+        np.testing.assert_allclose(truth.cam_from_target.matrix(), pose)
+        lit[text] = truth.sun_lit
+    assert np.max(lit["0,0,-1"]) == 0.0
+    assert np.max(lit["S2"]) > 0.9

@@ -31,7 +31,7 @@ PROGRAM = """
 import numpy as np
 from renders.variant.choice import activate
 activate("scalar_rgb")
-from tests.renders.test_marker_lobes import light
+from tests.renders.tracing.test_marker_lobes import light
 np.savez("scalar.npz", **light())
 """
 
@@ -84,11 +84,11 @@ def test_the_disc_returns_the_link_budget(scalar: dict[str, Radiance]) -> None:
 
 def test_a_disc_that_shows_its_back_returns_nothing(tmp_path: Path) -> None:
     program = PROGRAM.replace(
-        "from tests.renders.test_marker_lobes import light",
-        "import tests.renders.test_marker_lobes as t\n"
+        "from tests.renders.tracing.test_marker_lobes import light",
+        "import tests.renders.tracing.test_marker_lobes as t\n"
         "t.MARKERS.normals_in_target[:] *= -1.0\n"
         "t.SAMPLES = 64\n"
-        "from tests.renders.test_marker_lobes import light",
+        "from tests.renders.tracing.test_marker_lobes import light",
     )
     done = run_python(program, tmp_path)
     assert done.returncode == 0, done.stderr

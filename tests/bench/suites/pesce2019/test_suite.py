@@ -123,7 +123,7 @@ def test_sizes_default_to_the_papers():
     ("asked", "message"),
     [
         ({"parts": ("table9",)}, "--parts among table5, table6"),
-        ({"runs": 0}, "--runs of at least 1"),
+        ({"runs": 0}, "--runs from 1 to 100000, got 0"),
         ({"duration_s": 20.0}, "--duration-s from 60"),
         ({"duration_s": float("nan")}, "--duration-s from 60"),
     ],
