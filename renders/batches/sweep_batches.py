@@ -161,11 +161,17 @@ class PoseLight:
         return found
 
     def keys(self, sun: int) -> dict[int, dict[str, str]]:
-        """Return the store keys of what lights each band under Sun number ``sun``, by group."""
-        keys: dict[int, dict[str, str]] = {}
-        for each in self.groups_of_sun[sun]:
-            keys.setdefault(each.exposure.band, {})[each.group.name] = each.key
-        return keys
+        """Return the store keys of what lights each band under Sun number ``sun``, by group.
+
+        Of a camera that stands still, a Sun's light is one entry for all bands.
+        """
+        return {
+            exposure.band: {
+                group.name: self.studio.keys.group(exposure, self.poses[exposure.band], group)
+                for group in self.worlds[sun].lit_by(exposure)
+            }
+            for exposure in self.studio.world.exposures
+        }
 
     def batches(self, suns: Sequence[int], absent: Collection[str], most: int) -> list[Batch]:
         """Return what to trace, pass by pass, before the frames of some Suns can be exposed.

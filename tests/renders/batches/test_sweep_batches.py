@@ -23,12 +23,13 @@ from renders.batches.sweep_batches import (
     scenario_at,
     suns_in_a_batch,
 )
-from renders.scenario.scenario import RenderRequest, Scenario, resolve
+from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore
 from renders.tracing.light_groups import LampGroup, SunGroup
 from renders.truth.exposure_truth import ExposureTruth
 from renders.world.build import world_of
+from tests.support.own_scenario import pose_lines
 from tests.support.small_scenes import needs_jit
 
 TIME_S = 250.0
@@ -44,9 +45,12 @@ def scenario() -> Scenario:
 
 
 def pose_light(
-    scenario: Scenario, store: Path, suns: Sequence[NamedSun] = tuple(SUNS)
+    scenario: Scenario,
+    store: Path,
+    suns: Sequence[NamedSun] = tuple(SUNS),
+    time_s: float = TIME_S,
 ) -> PoseLight:
-    world = world_of(scenario_at(scenario, TIME_S))
+    world = world_of(scenario_at(scenario, time_s))
     keys = LightKeys(world, "jit")
     assert world.target.markers is not None
     return PoseLight(Studio(world, RadianceStore(store), keys, world.target.markers), suns)
@@ -111,6 +115,20 @@ def test_keys_are_those_of_a_single_run(scenario: Scenario, tmp_path: Path) -> N
             assert light.keys(number)[exposure.band].items() <= expected.items()
             assert f"lamps_{exposure.band}" in light.keys(number)[exposure.band]
             assert world.sun.name in light.keys(number)[exposure.band]
+
+
+def test_a_camera_that_stands_still_finds_one_suns_light_for_both_bands(tmp_path: Path) -> None:
+    (tmp_path / "poses.csv").write_text("\n".join(pose_lines(2)) + "\n")
+    (tmp_path / "still.toml").write_text(
+        'name = "still"\n[camera]\nwidth = 128\n[motion]\nkind = "poses"\nfile = "poses.csv"\n'
+    )
+    light = pose_light(read_scenario(tmp_path / "still.toml"), tmp_path, time_s=1.0)
+    keys = light.keys(0)
+    assert {band: len(own) for band, own in keys.items()} == {800: 2, 850: 2}
+    assert keys[800]["sun_S2"] == keys[850]["sun_S2"]
+    batches = light.batches([0], absent_of(light), 48)
+    traced = [each.key for batch in batches for each in batch.groups]
+    assert len(traced) == len(set(traced)) == 3
 
 
 def test_each_group_is_traced_once_the_shared_ones_first(
