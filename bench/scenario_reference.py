@@ -34,7 +34,7 @@ is written into the resolved scenario, `truth/scenario.toml` in a dataset.
 EXAMPLE = """\
 name = "mine"
 target = "maxar1300"
-markers = "markers.toml"        # places and normals of your own; see [[markers.marker]]
+markers = "markers.toml"        # places and normals of your own, in tables [[marker]]
 
 [camera]
 width = 1920

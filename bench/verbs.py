@@ -147,7 +147,7 @@ class Estimate:
     detector: OptionalFile = None
     """the detector; else guessed from the bits of the images"""
     rate_hz: Annotated[float, arg(metavar="NUMBER")] = 5.0
-    """frames a second, where the folder has no frames.csv"""
+    """frames a second, where there is no frames.csv in or beside the folder"""
     out: OptionalFolder = None
     """where the estimates of those frames go; else with the frames"""
     pipelines: Annotated[tuple[str, ...], arg(metavar="NAME", help_behavior_hint="")] = ()

@@ -2,7 +2,7 @@
 
 A folder of ``NAME_800.png`` and ``NAME_850.png`` holds pairs; of any other names, single images; 8
 or 16 bits, grey; TIFFs and JPEGs will do. They are taken in the order of their names. Times come
-from ``frames.csv`` (index, time_s, exposure_ms) in the folder where there is one, else from the
+from ``frames.csv`` (index, time_s, exposure_ms) in or beside the folder, else from the
 rate given; what another sensor measured comes from a table in or beside the folder.
 """
 
@@ -23,7 +23,7 @@ from bench.estimating.foreign_images import images_by_stream, read_foreign_image
 from bench.estimating.foreign_knowledge import GivenFiles, beside, foreign_knowledge
 from bench.estimating.runner import estimate_run
 from models.camera import Camera
-from models.dataset.frame_table import FrameEntry, read_frame_entries
+from models.dataset.frame_table import FILE_NAME, FrameEntry, read_frame_entries
 from models.dataset.sensor_table import read_table
 from models.dataset.version1 import PAIR_GAP_S
 from models.errors import DatasetError, ScenarioError
@@ -138,12 +138,12 @@ def find_frames(folder: Path, rate_hz: float) -> list[ForeignFrame]:
             )
     names = sorted(everywhere, key=_natural)
     entries = [FrameEntry(k, k / rate_hz, UNKNOWN_EXPOSURE_MS) for k in range(len(names))]
-    if (folder / "frames.csv").is_file():
-        entries = read_frame_entries(folder)
+    table = beside(folder, FILE_NAME, None)
+    if table is not None:
+        entries = read_frame_entries(table.parent)
         if len(entries) != len(names):
             raise DatasetError(
-                f"{folder}/frames.csv: expected one row for each of {len(names)} frames, "
-                f"got {len(entries)}"
+                f"{table}: expected one row for each of {len(names)} frames, got {len(entries)}"
             )
     return [
         ForeignFrame(entry, {stream: own[name] for stream, own in found.items()})

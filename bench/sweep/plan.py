@@ -17,6 +17,7 @@ from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
 from models.reading.options import check_option
 from renders.batches.sweep_batches import suns_in_a_batch
+from renders.scenario.motion_choice import takes_stills
 from renders.scenario.scenario import RenderRequest, Scenario, check_scenario, resolve
 from renders.store.budget import budget_bytes
 from renders.world.build import world_of
@@ -28,6 +29,7 @@ DEFAULT_MEMORY_GB = 4.0
 RANGE_STEP_S = 10.0  # the range falls by 0.15 m meanwhile; within less it never rises and falls
 EXPOSURE_MS, LAMP_W_SR = (1e-4, 1e5), (1e-6, 1e6)  # as a scenario's
 MOST_MARKER_SAMPLES, MOST_MEMORY_GB = 65_536, 1e5
+SAME_INSTANT_S = 1e-6
 TIME_DIGITS = 3  # a moment is told to the millisecond: 15 um of range
 
 
@@ -230,7 +232,7 @@ def _poses(request: SweepRequest, world: World) -> tuple[SweepPose, ...]:
                 f"expected --time-s from {motion.start_s:g} to {motion.end_s:g}, the moments of "
                 f"{world.scenario.name}, got {time_s:g}"
             )
-        times_s.append(time_s)
+        times_s.append(_still_at(world, time_s) if takes_stills(world.scenario) else time_s)
     return tuple(SweepPose(time_s, range_at(world, time_s)) for time_s in dict.fromkeys(times_s))
 
 
@@ -249,12 +251,17 @@ def ranges_covered_m(world: World) -> tuple[float, float]:
 def moment_at_range(world: World, range_m: float) -> float:
     """Return when the camera first is so far from the target frame's origin, s, to the millisecond.
 
+    Of stills, the one that comes nearest to it.
+
     Raises
     ------
     ScenarioError
         If it never is; the message says what ranges there are.
     """
     clock_s = _clock_s(world)
+    near_m, far_m = ranges_covered_m(world)
+    if takes_stills(world.scenario) and near_m <= range_m <= far_m:
+        return min(clock_s, key=lambda time_s: abs(range_at(world, time_s) - range_m))
     excess_m = [range_at(world, time_s) - range_m for time_s in clock_s]
     for number, (before, after) in enumerate(pairwise(excess_m)):
         if before == 0.0 or before * after < 0.0:
@@ -264,7 +271,6 @@ def moment_at_range(world: World, range_m: float) -> float:
                 clock_s[number + 1],
             )
             return round(float(crossing_s), TIME_DIGITS)
-    near_m, far_m = ranges_covered_m(world)
     motion = world.scenario.motion
     raise ScenarioError(
         f"expected --range-m from {near_m:.2f} to {far_m:.2f}, the ranges of {world.scenario.name} "
@@ -272,7 +278,19 @@ def moment_at_range(world: World, range_m: float) -> float:
     )
 
 
+def _still_at(world: World, time_s: float) -> float:
+    nearest_s = min(world.scenario.times_s, key=lambda row_s: abs(row_s - time_s))
+    if abs(nearest_s - time_s) > SAME_INSTANT_S:
+        raise ScenarioError(
+            f"expected --time-s of a row of {world.scenario.name}'s table of poses, which is taken "
+            f"as stills, such as {nearest_s:.10g}; got {time_s:g}"
+        )
+    return nearest_s
+
+
 def _clock_s(world: World) -> list[float]:
     motion = world.scenario.motion
+    if takes_stills(world.scenario):
+        return list(world.scenario.times_s)
     count = max(2, int(np.ceil((motion.end_s - motion.start_s) / RANGE_STEP_S)) + 1)
     return [float(time_s) for time_s in np.linspace(motion.start_s, motion.end_s, count)]

@@ -40,7 +40,7 @@ class Sweep:
     range_m: Numbers = ()
     """poses: the moments when the camera is so far from the ring's centre, in m"""
     time_s: Numbers = ()
-    """poses: moments of the approach, in s"""
+    """poses: moments of the motion, in s; of stills, times of rows of their table"""
     sun_step_deg: OptionalNumber = None
     """Suns: a grid over the whole sphere with this step, which divides 180; 15 unless given"""
     suns: Annotated[tuple[str, ...], arg(metavar="SUN ...", help_behavior_hint="")] = ()

@@ -13,12 +13,13 @@ from typing import Any, Literal, TypeAlias
 
 from models.dataset.version1 import FORMATS as FORMATS_OF_VERSION_1
 from models.errors import DatasetError, UnreadableError
-from models.reading.bounds import MOST_FRAMES, MOST_PROSE, TIME_S
+from models.reading.bounds import MOST_FRAMES, MOST_PROSE
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
 from models.reading.shown import shown
 
 FORMAT, VERSION = "rvbench-dataset", 2
+OFFSET_S = (-60.0, 60.0)  # of an exposure from its frame
 FILE_NAME = "dataset.json"
 Kind: TypeAlias = Literal["image", "table", "estimates"]
 KINDS: tuple[Kind, ...] = ("image", "table", "estimates")
@@ -230,7 +231,7 @@ def _streams(fields: Fields) -> tuple[Stream, ...]:
                 kind=kind,
                 files=files,
                 columns=_columns(own) if kind == "table" else (),
-                offset_s=own.number("offset_s", *TIME_S) if kind == "image" else 0.0,
+                offset_s=own.number("offset_s", *OFFSET_S) if kind == "image" else 0.0,
             )
         )
     return tuple(streams)

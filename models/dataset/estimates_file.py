@@ -122,6 +122,11 @@ def read_estimates(path: Path) -> list[Estimate]:
                 f"got version {shown(records[0][1].get('version'))}; estimate again"
             )
         records = records[1:]
+    elif records and not estimates_version1.is_version_1(records[0][1]):
+        raise DatasetError(
+            f"{path}:1: expected a head of format {FORMAT!r} and version {VERSION}, "
+            f"got {shown(records[0][1].get('format', 'none'))}; estimate again"
+        )
     estimates: list[Estimate] = []
     for number, record in records:
         where = f"{path}:{number}"

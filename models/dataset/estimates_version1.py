@@ -11,6 +11,12 @@ POSE_KEYS = ("R_cam_from_target", "t_cam_from_target_m", "covariance_rad_m", "re
 COVARIANCES = {TRANSLATION: "translation_covariance", ROTATION: "rotation_covariance"}
 
 
+def is_version_1(record: dict[str, Any]) -> bool:
+    """Tell whether a line is of version 1: it, or the pose in it, has a status."""
+    inner = record.get("pose")
+    return "status" in record or (isinstance(inner, dict) and "status" in inner)
+
+
 def converted(record: dict[str, Any]) -> dict[str, Any]:
     """Return a line as version 2 has it; what is of neither version comes back to be refused."""
     inner = record.get("pose")

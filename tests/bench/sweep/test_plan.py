@@ -17,6 +17,7 @@ from models.errors import ScenarioError
 from models.lights.sun import SUN_CASES_DEG
 from renders.scenario.scenario import RenderRequest, resolve
 from renders.world.build import world_of
+from tests.support.own_scenario import pose_lines
 
 WORLD = world_of(resolve(RenderRequest("maxar-approach", Path("unused"))))
 MILLISECOND_M = 1.5e-5  # at 15 mm/s
@@ -89,3 +90,20 @@ def test_samples_reach_the_scenario():
 def test_what_cannot_be_is_refused_with_what_can(options, told):
     with pytest.raises(ScenarioError, match=told):
         plan(**options)
+
+
+def of_stills(tmp_path, **options):
+    (tmp_path / "poses.csv").write_text("\n".join(pose_lines(4)) + "\n")
+    path = tmp_path / "still.toml"
+    path.write_text('name = "still"\n[motion]\nkind = "poses"\nfile = "poses.csv"\n')
+    return plan_sweep(SweepRequest(str(path), Path("unused"), **options))
+
+
+def test_a_pose_of_stills_is_a_row_of_their_table(tmp_path):
+    assert [pose.time_s for pose in of_stills(tmp_path, time_s=(2.0,)).poses] == [2.0]
+    (pose,) = of_stills(tmp_path, range_m=(5.4,)).poses  # rows stand half a metre apart
+    assert (pose.time_s, pose.range_m) == (1.0, pytest.approx(5.5))
+    with pytest.raises(ScenarioError, match=r"of a row of still's table of poses.* such as 1"):
+        of_stills(tmp_path, time_s=(1.3,))
+    with pytest.raises(ScenarioError, match=r"expected --range-m from 4\.50 to 6\.00"):
+        of_stills(tmp_path, range_m=(9.0,))

@@ -478,3 +478,14 @@ def test_absent_runtimes_are_none_and_broken_ones_an_error(tmp_path: Path) -> No
         path.write_text(f"frame,runtime_ms\n{row}\n")
         with pytest.raises(DatasetError, match=rf"runtimes\.csv:2: expected .*{said}|{said}"):
             read_runtimes(path)
+
+
+def test_lines_without_a_head_are_not_taken_for_an_estimate_of_version_2(tmp_path: Path) -> None:
+    path = tmp_path / "best.jsonl"
+    write_estimates(path, [Estimate(frame=0, time_s=0.0, reason="none")])
+    path.write_text(path.read_text().split("\n", 1)[1])
+    with pytest.raises(DatasetError, match="expected a head of format 'rvbench-estimates'"):
+        read_estimates(path)
+    path.write_text('{"format": "x", "version": 2}\n')
+    with pytest.raises(DatasetError, match="got 'x'"):
+        read_estimates(path)
