@@ -6,7 +6,7 @@
 set -u
 
 python=${1:-.venv/bin/python}
-probe=$(dirname "$0")/../renders/variant_probe.py
+probe=$(dirname "$0")/../renders/variant/probe_program.py
 oldest=19 # 14, 15 and 16 abort on processors with AVX-512
 
 renders() {

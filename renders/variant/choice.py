@@ -1,6 +1,6 @@
 """Which of Mitsuba's variants renders on this machine, and the one this process renders with.
 
-A variant is tried in a subprocess (``variant_probe``), since one that does not work may take its
+A variant is tried in a subprocess (``probe_program``), since one that does not work may take its
 process with it. One family serves everything: the ``*_rgb`` variants carry three bands in their
 three channels at no more than the cost of one. Importing this file loads no Mitsuba.
 """

@@ -1,6 +1,6 @@
 """The smallest render that tells a variant which works from one that only loads.
 
-A program of its own, ``python variant_probe.py llvm_ad_rgb``, because a libLLVM too old for the
+A program of its own, ``python probe_program.py llvm_ad_rgb``, because a libLLVM too old for the
 processor aborts the whole process at its first real kernel (LLVM 14, 15 and 16 on AVX-512:
 ``Cannot select ... fminimum``). It imports nothing of the house, so that set-up can run it too.
 

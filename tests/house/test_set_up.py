@@ -63,6 +63,12 @@ def debian(machine: PretendedMachine, user: int, offered: str, installing: str) 
 OFFERED = "libllvm14 - old\\nlibllvm19 - good\\nlibllvm20 - better\\nlibllvm9 - older\\n"
 
 
+def test_the_probe_that_set_up_runs_is_there() -> None:
+    script = HOUSE / "scripts" / "ensure_llvm.sh"
+    (probe,) = (line for line in script.read_text().splitlines() if line.startswith("probe="))
+    assert (script.parent / probe.partition("$(dirname \"$0\")/")[2]).is_file()
+
+
 def test_a_machine_that_renders_is_left_alone(machine) -> None:
     python = debian(machine, user=0, offered=OFFERED, installing="exit 1")
     (machine.folder / "library").touch()
