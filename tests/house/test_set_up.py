@@ -66,7 +66,7 @@ OFFERED = "libllvm14 - old\\nlibllvm19 - good\\nlibllvm20 - better\\nlibllvm9 - 
 def test_the_probe_that_set_up_runs_is_there() -> None:
     script = HOUSE / "scripts" / "ensure_llvm.sh"
     (probe,) = (line for line in script.read_text().splitlines() if line.startswith("probe="))
-    assert (script.parent / probe.partition("$(dirname \"$0\")/")[2]).is_file()
+    assert (script.parent / probe.partition('$(dirname "$0")/')[2]).is_file()
 
 
 def test_a_machine_that_renders_is_left_alone(machine) -> None:
