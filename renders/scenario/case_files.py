@@ -1,4 +1,4 @@
-"""The cases that ship with the bench: their files, and what each is of; no scenario is read."""
+"""Files of scenarios, and the cases that ship with the bench; none is read as a scenario here."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from pathlib import Path
 
 from models.errors import ScenarioError
 from models.reading.bounds import MOST_NAME
+from models.reading.regular_file import MEGABYTE
 from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 
+MOST_SCENARIO_BYTES = 32 * MEGABYTE  # a table of poses among it
 CASES = Path(__file__).resolve().parents[2] / "bench" / "cases"
 
 
@@ -43,5 +45,5 @@ def case_path(case: str) -> Path:
 
 def case_description(name: str) -> str:
     """Return what the case of a name is of, in its file's own words, on one line."""
-    table = read_toml(CASES / f"{name}.toml")
+    table = read_toml(CASES / f"{name}.toml", MOST_SCENARIO_BYTES)
     return " ".join(table.get("description", "").split())

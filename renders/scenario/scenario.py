@@ -35,8 +35,8 @@ from renders.scenario.camera_tables import (
     check_focus,
     check_lens,
 )
-from renders.scenario.case_files import case_path
-from renders.scenario.embedded_files import MOST_SCENARIO_BYTES, with_files_read
+from renders.scenario.case_files import MOST_SCENARIO_BYTES, case_path
+from renders.scenario.embedded_files import with_files_read
 from renders.scenario.errors import explain
 from renders.scenario.frame_checks import check_frames
 from renders.scenario.light_tables import (
