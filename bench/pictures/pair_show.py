@@ -109,7 +109,7 @@ def _draw_window(axes: Axes, record: FrameRecord, marker: int, signal_dn: Floats
     first = np.maximum(np.floor(centre - half).astype(int), 0)  # all that shows, and no more
     last = np.minimum(np.ceil(centre + half).astype(int) + 1, (width, height))
     window_dn = signal_dn[first[1] : last[1], first[0] : last[0]]
-    left, top, right, bottom = *(first - 0.5), *(last - 0.5)
+    (left, top), (right, bottom) = (first - 0.5).tolist(), (last - 0.5).tolist()
     axes.imshow(
         stretch(window_dn, record.detector), cmap="gray", vmin=0, vmax=1,
         extent=(left, right, bottom, top),
