@@ -35,8 +35,8 @@ sys.exit(code)
 """
 
 
-def loaded_by(*arguments: object) -> set[str]:
-    """Return the modules that are loaded once a command is done."""
+def loaded_by(*arguments: object, code: int = 0) -> set[str]:
+    """Return the modules that are loaded once a command has ended, with an exit code."""
     done = subprocess.run(
         [sys.executable, "-c", LOADED, *map(str, arguments)],
         cwd=HOUSE,
@@ -46,7 +46,7 @@ def loaded_by(*arguments: object) -> set[str]:
         check=False,
         timeout=HANGS_S,
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == code, done.stderr
     return set(done.stderr.splitlines()[-1].split())
 
 
@@ -61,6 +61,12 @@ def test_a_list_builds_no_mesh_and_validates_no_scenario() -> None:
     loaded = loaded_by("list")
     assert loaded.isdisjoint(SLOW)
     assert not [name for name in loaded if name.startswith("models.spacecraft.maxar")]
+
+
+@pytest.mark.parametrize("verb", ["run", "render", "sweep"])
+def test_a_mistyped_case_is_answered_before_anything_is_loaded(verb: str, tmp_path: Path) -> None:
+    loaded = loaded_by(verb, "maxar-dmeo", "--out", tmp_path / "out", code=2)
+    assert loaded.isdisjoint(SLOW)
 
 
 @pytest.fixture
