@@ -61,6 +61,10 @@ class NoiseLimit:
         Parameters
         ----------
         pilot : Moments
+
+        Returns
+        -------
+        (n,) uint32 array
         """
         scale = self.electrons_per_radiance
         signal = pilot.mean * scale

@@ -174,7 +174,22 @@ class BouncedField:
         choices: Sequence[Any],
         active: Any,
     ) -> Any:
-        """Return what surfaces send on of one light; parameters as ``BouncedFields`` has them."""
+        """Return what surfaces send on of one light, W m-2 sr-1.
+
+        Parameters
+        ----------
+        light : kernel light
+            As ``kernel_lights.light_of`` gives it.
+        place : Point3f, m
+        mesh, cell : UInt32
+            On which mesh, and in which cell.
+        surface : SurfaceSeen
+        shift : Vector3f
+            By how much of a node the place is moved before it is looked up, -0.5 to 0.5.
+        choices : sequence of Float
+            From 0 to 1; each draws a path.
+        active : Bool
+        """
         landed = self.lights[light.name]
         reach = dr.gather(mi.Float, landed.reach, cell, active)
         moved = self.finder.cell(place + shift * reach, surface.normal, mesh, active)

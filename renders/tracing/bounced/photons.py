@@ -154,7 +154,13 @@ class Landed:
         return cls(cell[order], direction, np.concatenate([e.power_w for e in every])[order])
 
     def channels(self) -> dict[str, AnyArray]:
-        """Return them as an image of a file, rows of ``COLUMNS``, the last filled up."""
+        """Return them as an image of a file, rows of ``COLUMNS``, the last filled up.
+
+        Returns
+        -------
+        dict of (rows, 4096) arrays
+            By the names of ``CHANNELS``.
+        """
         rows = max(1, -(-len(self.cell) // COLUMNS))
         filled = {
             "cell": np.full(rows * COLUMNS, NONE, dtype=np.uint32),
@@ -167,7 +173,12 @@ class Landed:
 
     @classmethod
     def of_channels(cls, channels: Mapping[str, AnyArray]) -> Landed:
-        """Return them from such an image."""
+        """Return them from such an image.
+
+        Parameters
+        ----------
+        channels : mapping of (rows, 4096) arrays
+        """
         cell, direction, power = (channels[name].ravel() for name in cls.CHANNELS)
         there = cell != NONE
         return cls(cell[there], direction[there], power[there])

@@ -111,7 +111,14 @@ class Bricks:
 
     @classmethod
     def around(cls, places: Floats, low: Floats, high: Floats) -> Bricks:
-        """Return those bricks of a box that hold some places, (n, 3) m."""
+        """Return those bricks of a box that hold some places.
+
+        Parameters
+        ----------
+        places : (n, 3) array, m
+        low, high : (3,) arrays, m
+            The box.
+        """
         shape = np.maximum(np.ceil((high - low) / BRICK_M).astype(int), 1)
         index = np.floor((places - low) / BRICK_M).astype(int)
         index = index[((index >= 0) & (index < shape)).all(axis=1)]
@@ -182,7 +189,18 @@ def open_to_light(scene: Any, points: SurfacePoints, seed: int) -> AnyArray:
 
 
 def along_curve(x: AnyArray, y: AnyArray, z: AnyArray) -> AnyArray:
-    """Return the place of voxels, each coordinate 0 to 7, on the curve, 0 to 511."""
+    """Return the place of voxels on the curve.
+
+    Parameters
+    ----------
+    x, y, z : (...,) arrays of int
+        0 to 7.
+
+    Returns
+    -------
+    (...,) array of int
+        0 to 511.
+    """
     place = np.zeros_like(x)
     for bit in range(LEVELS - 1):
         for axis, value in enumerate((x, y, z)):

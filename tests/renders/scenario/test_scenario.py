@@ -400,6 +400,7 @@ HALF_A_TURN = [0.0, 1.0, 0.0, 0.0]
 OTHER_WORDS = {
     "S2": "S3",
     "schedule": "fixed",
+    "auto": "traced",
     "poses": "approach",
     "pairs": "single",
     "stills": "interpolated",
