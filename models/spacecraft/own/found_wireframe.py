@@ -6,7 +6,7 @@ Where a bevel or a thickness makes two corners of one, the larger stands for bot
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,10 @@ DIRECTIONS = 96  # from which
 SEEN_FROM = 0.08  # of them, at least, to be worth knowing
 APART_SHARE = 0.03  # of the radius: corners nearer than this are one
 LEAST_EDGE_SHARE = 0.06  # of the radius: an edge shorter than this is no edge to look for
+ENOUGH_CORNERS, ENOUGH_EDGES = 8, 8  # as a box has, about
+LEAST_CORNERS = 4  # with fewer,
+BLUNT_DEG = 5.0  # of a ball, any edge of its coarse form will do
+COARSE_FACES = (200, 100, 60)
 FAR = 20.0  # radii: from where it is looked at
 
 
@@ -41,15 +45,21 @@ class FoundShape:
         Of each: the length of the three longest edges that end there.
     edges : (e, 2) array of int
         Between corners, the longest first.
+    rounded : bool
+        Whether they are those of its coarse form.
     """
 
     points: Floats
     sizes_m: Floats
     edges: Indices
+    rounded: bool = False
 
 
 def find_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundShape:
-    """Find corners and edges on a mesh.
+    """Find corners and edges on a mesh; where all are rounded, those of its coarse form.
+
+    A fillet of many small steps has no sharp edge. With few faces left it is a bevel or an edge,
+    within the fillet's radius of where one would draw it.
 
     Parameters
     ----------
@@ -59,6 +69,18 @@ def find_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundS
         The same surface with fewer faces.
     wish : WireframeWish
     """
+    shape = _sharp_shape(triangles, hiding, wish)
+    for faces in COARSE_FACES:
+        if len(shape.edges) >= ENOUGH_EDGES and len(shape.points) >= ENOUGH_CORNERS:
+            break
+        deg = wish.sharp_deg if len(shape.points) >= LEAST_CORNERS else BLUNT_DEG
+        coarse = _sharp_shape(simplified(hiding, faces), hiding, replace(wish, sharp_deg=deg))
+        if len(coarse.edges) > len(shape.edges):
+            shape = replace(coarse, rounded=True)
+    return shape
+
+
+def _sharp_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundShape:
     body = welded(triangles)
     lines = sharp_edges(body, wish.sharp_deg)
     corners, sizes = corners_of(body.points, lines)
@@ -129,7 +151,7 @@ def found_wireframe(
             points = np.concatenate([points, point[None]])
         found = ((place[a], place[b]) for a, b in shape.edges.tolist())
         edges += [pair for pair in found if pair[0] != pair[1]]
-    if len(names) < 4 or not edges:
+    if len(names) < LEAST_CORNERS or not edges:
         raise ValueError(
             f"expected a wireframe of at least four corners and an edge, found {len(names)} and "
             f"{len(edges)}: give a smaller wireframe.sharp_deg (now {wish.sharp_deg:g}), or "
