@@ -104,7 +104,8 @@ def print_inspection(found: Inspection, console: Console) -> None:
     sides = " x ".join(f"{side:.3g}" for side in described.unit_m * size_of(mesh))
     guess = ", a guess" if found.unit_is_guessed else ""
     rows = [
-        ("file", f"{mesh.path}, {len({*found.placed.names})} parts, {surface.bodies} bodies"),
+        ("file", str(mesh.path)),
+        ("parts", f"{len({*found.placed.names})}, of {surface.bodies} connected bodies"),
         ("surface", f"{surface.faces} faces, {surface.points} corners once welded"),
         ("size", f"{sides} m (unit: {unit}{guess})"),
         ("mass", _mass_line(found)),
@@ -121,7 +122,7 @@ def print_inspection(found: Inspection, console: Console) -> None:
         console.print(BANDS, soft_wrap=True, markup=False, highlight=False)
     for fault in found.faults:
         word = "mend" if fault.kind == "mend" else "know"
-        text = f"{word}: {fault.what}; {fault.todo}"
+        text = f"{word}: {fault.what}" + (f"; {fault.todo}" if fault.todo else "")
         console.print(text, soft_wrap=True, markup=False, highlight=False)
     if not found.faults:
         console.print("nothing is wrong with the mesh")
@@ -192,6 +193,18 @@ def _part_table(found: Inspection) -> Table:
     if len(faces) > 40:
         table.add_row(f"and {len(faces) - 40} more", "", "", "")
     return table
+
+
+def title_of(found: Inspection) -> str:
+    """Return what stands over the picture: name, size, faces."""
+    described, surface = found.target.description, found.surface
+    sides = " x ".join(f"{side:.3g}" for side in described.unit_m * size_of(found.mesh))
+    guess = ", a guess" if found.unit_is_guessed else ""
+    parts = len({*found.placed.names})
+    return (
+        f"{described.name}: {sides} m{guess}; {surface.faces} faces in {parts} "
+        f"part{'s' if parts > 1 else ''}"
+    )
 
 
 def check_start_place(toml: Path) -> None:

@@ -117,7 +117,7 @@ def _blank(panel: Axes, name: str) -> None:
     panel.set_xlim(-0.5, SIDE_PX - 0.5)
     panel.set_ylim(SIDE_PX - 0.5, -0.5)
     panel.set_aspect("equal")
-    panel.set_facecolor(SKY)
+    panel.set_facecolor((float(SKY[0]), float(SKY[1]), float(SKY[2])))
     panel.set_xticks([])
     panel.set_yticks([])
     for spine in panel.spines.values():
@@ -159,7 +159,8 @@ def _finish(panel: Axes, camera: Camera, pose: RigidTransform, radius: float) ->
         tip = foot + 24.0 * way
         style: Any = {"arrowstyle": "->", "color": INK, "lw": 1.1}
         panel.annotate("", xy=(tip[0], tip[1]), xytext=(foot[0], foot[1]), arrowprops=style)
-        panel.text(*(foot + 33.0 * way), name, fontsize=8, color=INK, ha="center", va="center")
+        x, y = (foot + 33.0 * way).tolist()
+        panel.text(x, y, name, fontsize=8, color=INK, ha="center", va="center")
     bar_m = max(scale for scale in SCALES_M if scale <= 0.6 * radius)
     right = SIDE_PX - 16.0
     panel.plot([right - bar_m * px_per_m, right], [SIDE_PX - 16.0] * 2, color=INK, lw=2.0)

@@ -35,7 +35,12 @@ class Inspect:
 
     def run(self) -> int:
         """Inspect."""
-        from bench.inspecting.inspection import check_start_place, inspect_file, print_inspection
+        from bench.inspecting.inspection import (
+            check_start_place,
+            inspect_file,
+            print_inspection,
+            title_of,
+        )
         from bench.inspecting.start_text import start_text
         from bench.pictures.our_picture import check_picture_place
         from models.atomic_file import write_bytes, write_text
@@ -64,6 +69,6 @@ class Inspect:
         from bench.inspecting.picture import side_picture
 
         craft = found.target.spacecraft
-        write_bytes(picture, side_picture(craft, found.target.wireframe, craft.name))
+        write_bytes(picture, side_picture(craft, found.target.wireframe, title_of(found)))
         print(f"picture: {picture}")
         return DONE

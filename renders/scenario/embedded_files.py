@@ -1,7 +1,7 @@
-"""Files that a scenario names, read into it: a resolved scenario needs none of them.
+"""Files that a scenario names, read into it: of them a resolved scenario needs a mesh alone.
 
-``target`` (one's own), ``camera.file``, ``motion.file`` and ``markers`` lie beside the scenario. What they say then stands
-in the scenario itself, so its fingerprint covers it.
+A ``target`` of one's own, ``camera.file``, ``motion.file`` and ``markers`` lie beside the scenario.
+What they say then stands in the scenario itself, so its fingerprint covers it.
 """
 
 from __future__ import annotations

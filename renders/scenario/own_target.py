@@ -1,4 +1,4 @@
-"""A target of one's own in a scenario: the TOML that it names, read into it; the mesh stays outside.
+"""A target of one's own in a scenario: the TOML that it names, read into it, without the mesh.
 
 ``target = "probe.toml"`` is read once: the spacecraft's name takes the place of the path, and the
 TOML's lines stand in ``[own_target]``, so that a resolved scenario tells all but the triangles.

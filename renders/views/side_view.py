@@ -1,4 +1,4 @@
-"""What is seen of a spacecraft from one side: which part, how it is turned, how much it reflects."""
+"""What is seen of a spacecraft from one side: which part, how turned, how much it reflects."""
 
 from __future__ import annotations
 

@@ -123,7 +123,9 @@ def check_gltf(tree: dict[str, Any], binary: int, neighbours: Neighbours) -> Non
     path = neighbours.mesh
     fields = Fields(tree, path)
     _check_extensions(fields)
-    buffers = [_buffer(row, k, binary, neighbours) for k, row in enumerate(_rows(fields, "buffers"))]
+    buffers = [
+        _buffer(row, k, binary, neighbours) for k, row in enumerate(_rows(fields, "buffers"))
+    ]
     views = [View.of(row, buffers) for row in _rows(fields, "bufferViews")]
     accessors = _rows(fields, "accessors")
     counts = [_accessor(row, views) for row in accessors]

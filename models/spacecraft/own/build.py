@@ -180,9 +180,9 @@ def place(described: OwnDescription, mesh: MeshFile) -> PlacedMesh:
         raise DatasetError(f"{mesh.path}: {error}") from error
     told = described.centre_of_mass_in_mesh_m
     centre = skin.centre if told is None else told
-    origin = {"centre_of_mass": centre, "mesh": np.zeros(3)}.get(
-        described.origin if isinstance(described.origin, str) else "", described.origin
-    )
+    origin = np.zeros(3) if isinstance(described.origin, str) else described.origin
+    if isinstance(described.origin, str) and described.origin == "centre_of_mass":
+        origin = centre
     turn = described.rotation
     mass_kg, inertia = inertia_of(skin, described.mass_kg, centre)
     inertia = turn @ inertia @ turn.T
@@ -192,7 +192,7 @@ def place(described: OwnDescription, mesh: MeshFile) -> PlacedMesh:
     return PlacedMesh(
         triangles=tuple((each - origin) @ turn.T for each in in_mesh),
         names=names,
-        centre_of_mass=np.asarray(turn @ (centre - np.asarray(origin, dtype=np.float64))) + 0.0,
+        centre_of_mass=np.asarray(turn @ (centre - origin)) + 0.0,
         mass_kg=mass_kg,
         inertia_kg_m2=np.asarray(inertia),
     )
@@ -253,7 +253,9 @@ def _parts(
         if not len(body.faces):
             continue
         if told is not None or piece.look.red is None:
-            kinds = [(told or described.material or DEFAULT_MATERIAL, np.ones(len(body.faces), bool))]
+            kinds = [
+                (told or described.material or DEFAULT_MATERIAL, np.ones(len(body.faces), bool))
+            ]
         else:
             kinds = _by_look(piece, body, materials)
         shading = shading_of(body, described.smooth_deg)
@@ -262,9 +264,7 @@ def _parts(
     return tuple(parts), materials
 
 
-def _by_look(
-    piece: Piece, body: Welded, materials: dict[str, Material]
-) -> list[tuple[str, Mask]]:
+def _by_look(piece: Piece, body: Welded, materials: dict[str, Material]) -> list[tuple[str, Mask]]:
     """Return the materials of a piece that looks as its file says, and the faces of each."""
     look = piece.look
     assert look.red is not None

@@ -32,6 +32,7 @@ class Fault:
     kind : str
         ``mend``: pictures or motion will be wrong; ``know``: they may not be what one expects.
     what, todo : str
+        ``todo`` is empty where there is nothing to be done.
     """
 
     kind: Literal["mend", "know"]
@@ -175,16 +176,16 @@ def _of_surface(surface: Surface) -> Iterator[Fault]:
     if surface.rims:
         yield Fault(
             "know",
-            f"open: {surface.open_bodies} of {surface.bodies} bodies, {surface.rims} edges with one "
-            "face",
-            "nothing, where they are sheets such as solar panels: both sides are rendered; else "
-            "close the holes where it was made, for light gets in",
+            f"open: {surface.open_bodies} of {surface.bodies} bodies, with {surface.rims} edges of "
+            "one face",
+            "sheets, such as solar panels, may be: both sides are rendered; close other holes "
+            "where it was made, for light gets in",
         )
     if surface.inside_out:
         yield Fault(
             "know",
             f"inverted: {surface.inside_out} closed bodies whose faces look inwards",
-            "nothing: they are turned when read",
+            "they are turned when read",
         )
     if surface.inconsistent:
         yield Fault(
@@ -196,19 +197,19 @@ def _of_surface(surface: Surface) -> Iterator[Fault]:
         yield Fault(
             "know",
             f"not a surface: {surface.shared_by_many} edges with three faces or more",
-            "nothing, unless they should not be there",
+            "corners and edges are found there all the same",
         )
     if surface.twice:
         yield Fault(
             "know",
             f"duplicate: {surface.twice} faces that lie on another",
-            "nothing: one of each is kept",
+            "one of each is kept",
         )
     if surface.degenerate:
         yield Fault(
             "know",
             f"degenerate: {surface.degenerate} faces without area",
-            "nothing: they are left out",
+            "they are left out",
         )
 
 
@@ -218,14 +219,14 @@ def _of_contents(mesh: MeshFile, surface: Surface) -> Iterator[Fault]:
         yield Fault(
             "know",
             f"{names} parts, each with a name",
-            f"nothing: names are shortened until at most {MOST_PART_NAMES} are left; join parts "
-            "of one material where it was made, if you want to name them",
+            f"names are shortened until at most {MOST_PART_NAMES} are left; join parts of one "
+            "material where it was made, if you want to name them",
         )
     if surface.faces > MANY_FACES:
         yield Fault(
             "know",
             f"{surface.faces} faces",
-            "nothing, if you have the memory; a coarser mesh starts sooner",
+            "a coarser mesh starts sooner, and takes less memory",
         )
     for name in mesh.missing[:10]:
         yield Fault(
@@ -238,10 +239,10 @@ def _of_contents(mesh: MeshFile, surface: Surface) -> Iterator[Fault]:
         yield Fault(
             "know",
             f"transparent: {', '.join(transparent[:5])}",
-            "nothing can be seen through: it is rendered as if it were solid",
+            "it is rendered as if it were solid",
         )
     for note in mesh.notes:
-        yield Fault("know", f"left out: {note}", "nothing")
+        yield Fault("know", f"left out: {note}", "")
 
 
 def _of_mass(mesh: MeshFile, unit: str | None, told: Floats | None) -> Iterator[Fault]:

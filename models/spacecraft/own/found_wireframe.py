@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from models.arrays import Floats, Indices, Mask
 from models.pose import RigidTransform
@@ -77,7 +78,23 @@ def find_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundS
         coarse = _sharp_shape(simplified(hiding, faces), hiding, replace(wish, sharp_deg=deg))
         if len(coarse.edges) > len(shape.edges):
             shape = replace(coarse, rounded=True)
-    return shape
+    if len(shape.points) >= LEAST_CORNERS and len(shape.edges):
+        return shape
+    return replace(_of_hull(hiding, wish), rounded=True)
+
+
+def _of_hull(hiding: Floats, wish: WireframeWish) -> FoundShape:
+    """Find corners and edges of a swarm of small things: those of the hull about it."""
+    corners = hiding.reshape(-1, 3)
+    try:
+        hull = corners[ConvexHull(corners).simplices]
+    except QhullError:  # flat
+        return FoundShape(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 2), dtype=np.int64))
+    outward = np.einsum("fi,fi->f", np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0]),
+                        hull.mean(axis=1) - corners.mean(axis=0))  # fmt: skip
+    hull = np.where(outward[:, None, None] < 0.0, hull[:, ::-1], hull)
+    coarse = simplified(hull, COARSE_FACES[-1])
+    return _sharp_shape(coarse, coarse, replace(wish, sharp_deg=BLUNT_DEG))
 
 
 def _sharp_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundShape:
@@ -214,11 +231,8 @@ def _appendage(
     points: Floats, triangles: Floats, part_of_triangle: Indices, part_names: tuple[str, ...]
 ) -> Mask:
     """Tell which landmarks lie on parts apart; of a mesh of one part, those that lie far out."""
-    corners = triangles.reshape(-1, 3)
-    from scipy.spatial import cKDTree
-
-    _, nearest = cKDTree(corners).query(points)
-    components = [part_names[part_of_triangle[k // 3]] for k in nearest]
+    _, nearest = cKDTree(triangles.reshape(-1, 3)).query(points)
+    components = [part_names[part_of_triangle[k // 3]] for k in np.asarray(nearest).tolist()]
     apart = is_appendage(points, components)
     if apart.any() and not apart.all():
         return apart

@@ -208,8 +208,9 @@ def _pieces(path: Path, scene: Any) -> Iterator[Piece]:
     """Yield the meshes of a scene, each where the scene has it."""
     looks: dict[str, Look] = {}
     texture_px = 0
-    for node in scene.graph.nodes_geometry:
-        place, name = scene.graph[node]
+    order = {name: number for number, name in enumerate(scene.geometry)}
+    nodes = [(*scene.graph[node], str(node)) for node in scene.graph.nodes_geometry]
+    for place, name, _ in sorted(nodes, key=lambda node: (order[node[1]], len(node[2]), node[2])):
         mesh = scene.geometry[name]
         faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), dtype=np.int64)
         if not len(faces):

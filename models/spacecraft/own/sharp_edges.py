@@ -2,7 +2,7 @@
 
 An edge is sharp where its two faces meet at more than an angle, or where there is but one face.
 Pieces that go on in a line are one edge. A corner is where three such lines meet, or two at an
-angle: the rim of a round hole, of many short pieces each a little off the last, has none.
+angle; the rim of a round hole, of many short pieces each a little off the last, has none.
 """
 
 from __future__ import annotations
@@ -15,7 +15,9 @@ from models.arrays import Floats, Indices, Mask
 from models.spacecraft.own.welded import Welded
 
 STRAIGHT_DEG = 6.0  # pieces that turn by less go on in a line
-CORNER_DEG = 25.0  # two lines that turn by less are a bend, and make no corner
+CORNER_DEG = 25.0  # two lines that turn by less are a bend, and make no corner,
+BEND_DEG = 8.0  # unless both are long, and they turn by more than this
+LONG_SHARE = 0.1  # of the mesh's size
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +69,11 @@ def corners_of(points: Floats, lines: SharpEdges) -> tuple[Indices, Floats]:
     for a, b in lines.ends.tolist():
         ways.setdefault(a, []).append(points[b] - points[a])
         ways.setdefault(b, []).append(points[a] - points[b])
+    long_m = LONG_SHARE * float(np.ptp(points, axis=0).max())
     corners, sizes = [], []
     for point, leaving in sorted(ways.items()):
         lengths = np.linalg.norm(leaving, axis=1)
-        if len(leaving) >= 3 or (len(leaving) == 2 and _turns(leaving, lengths)):
+        if len(leaving) >= 3 or (len(leaving) == 2 and _turns(leaving, lengths, long_m)):
             corners.append(point)
             sizes.append(float(np.sort(lengths)[-3:].sum()))
     return np.array(corners, dtype=np.int64), np.array(sizes)
@@ -83,9 +86,10 @@ def _sharp(body: Welded, sharp_deg: float) -> Mask:
     return np.asarray((edges.count != 2) | (cosine < np.cos(np.deg2rad(sharp_deg))))
 
 
-def _turns(leaving: list[Floats], lengths: Floats) -> bool:
+def _turns(leaving: list[Floats], lengths: Floats, long_m: float) -> bool:
+    least_deg = BEND_DEG if lengths.min() > long_m else CORNER_DEG
     cosine = float(leaving[0] @ leaving[1]) / float(lengths[0] * lengths[1])
-    return -cosine < np.cos(np.deg2rad(CORNER_DEG))
+    return -cosine < float(np.cos(np.deg2rad(least_deg)))
 
 
 def _joined(points: Floats, pieces: Indices) -> Indices:

@@ -1,8 +1,8 @@
-"""Fewer faces that still hide what the mesh hides: edges collapse where that moves the surface least.
+"""Fewer faces that still hide what the mesh hides: edges collapse where the surface moves least.
 
-Garland and Heckbert 1997 (SIGGRAPH, "Surface simplification using quadric error metrics"), onto one
-of an edge's two ends, so that no corner ever lies where the mesh has none. A mesh of very many faces
-is first thinned by cells (Rossignac and Borrel 1993).
+Garland and Heckbert 1997 (SIGGRAPH, "Surface simplification using quadric error metrics"), onto
+one of an edge's two ends, so that no corner ever lies where the mesh has none. A mesh of very many
+faces is first thinned by cells (Rossignac and Borrel 1993).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def simplified(triangles: Floats, most: int) -> Floats:
 
 
 def _thinned(points: Floats, faces: Indices, most: int) -> tuple[Floats, Indices]:
-    """Move corners that share a cell to the one that lies farthest out; larger cells till it fits."""
+    """Move corners that share a cell to the one farthest out; larger cells until it fits."""
     size = float(np.ptp(points, axis=0).max())
     away = np.linalg.norm(points - points.mean(axis=0), axis=1)
     for cells in (200, 140, 100, 70, 50, 35, 25):

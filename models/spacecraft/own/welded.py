@@ -127,9 +127,7 @@ def welded(triangles: Floats) -> Welded:
     _, where, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     points, faces = corners[where], np.asarray(number).reshape(-1, 3)
     sides = points[faces]
-    area = np.linalg.norm(
-        np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1
-    )
+    area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
     good = (area > FLAT_SHARE * size**2) & ~(faces == np.roll(faces, 1, axis=1)).any(axis=1)
     source = np.flatnonzero(good)
     _, once = np.unique(np.sort(faces[source], axis=1), axis=0, return_index=True)
