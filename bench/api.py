@@ -85,6 +85,7 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
+    _check_case(case)
     from renders.batches.render_case import render_case
     from renders.scenario.scenario import RenderRequest
 
@@ -245,6 +246,7 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
+    _check_case(case)
     from bench.estimating.repeated_runs import repeat_runs, runs_left
     from renders.batches.replay import light_held
 
@@ -282,6 +284,7 @@ def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepR
     RvbenchError
         Each says what to do; nothing already done is lost.
     """
+    _check_case(case)
     from bench.sweep.outcome import write_outcome
     from bench.sweep.plan import SweepRequest
     from bench.sweep.run import run_sweep
@@ -333,3 +336,16 @@ def new(kind: Literal["case", "camera", "pipeline"], name: str, folder: Path = P
 
     place, _ = write_start(kind, name, folder)
     return place
+
+
+def _check_case(case: str) -> None:
+    """Refuse a case that there is not, before anything that renders is loaded.
+
+    Raises
+    ------
+    ScenarioError
+        It suggests the nearest.
+    """
+    from renders.scenario.case_files import case_path
+
+    case_path(case)

@@ -12,9 +12,8 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from importlib.metadata import version
 from platform import python_version
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, NoReturn, Union
 
 import tyro
 
@@ -65,16 +64,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ----------
     arguments : sequence of str, optional
         What follows ``rvbench``; ``sys.argv`` unless given. Only then does Ctrl-C end the whole
-        process, see ``bench.interrupts``.
+        process, and so does the verb when it is done, see ``bench.interrupts``.
     """
-    typed = list(sys.argv[1:] if arguments is None else arguments)
-    if arguments is not None:
-        return _run(typed)
+    return _run_and_leave(sys.argv[1:]) if arguments is None else _run(list(arguments))
+
+
+def _run_and_leave(typed: list[str]) -> NoReturn:
+    """Run a verb as all that this process is for."""
     with prompt_interrupts(typed[0] if typed else ""):
-        code = _run(typed)
-    if code == INTERRUPTED:
-        leave(code)
-    return code
+        leave(_run(typed))
 
 
 def _run(typed: list[str]) -> int:
@@ -149,6 +147,8 @@ def parse(arguments: list[str]) -> Any:
 
 def versions() -> str:
     """Return what runs here, in a line; `rvbench doctor` tells more."""
+    from importlib.metadata import version
+
     return (
         f"rvbench {version('rvbench')}, Python {python_version()}, Mitsuba {version('mitsuba')}, "
         f"Dr.Jit {version('drjit')}"

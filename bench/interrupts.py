@@ -14,6 +14,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import NoReturn
 
 from models.atomic_file import drop_scratch
 
@@ -69,10 +70,10 @@ def prompt_interrupts(verb: str) -> Iterator[None]:
         os.close(writer)  # which ends the thread
 
 
-def leave(code: int) -> None:
+def leave(code: int) -> NoReturn:
     """End the process at once: what is left to do at its end could take seconds, and writes none.
 
-    A kernel in hand would be waited for.
+    A kernel in hand would be waited for, and every library unloaded.
     """
     drop_scratch()
     for stream in (sys.stdout, sys.stderr):

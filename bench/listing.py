@@ -10,9 +10,8 @@ from rich.table import Table
 from bench.suites.catalogue import TITLES
 from models.camera import CAMERAS, Camera
 from models.lights.sun import SUN_CASES_DEG, direction_from_azimuth
-from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
-from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
-from renders.scenario.scenario import case_names, case_path, read_scenario
+from models.spacecraft.catalogue import TARGETS
+from renders.scenario.case_files import case_description, case_names
 
 
 def print_listing(console: Console) -> None:
@@ -34,8 +33,7 @@ def print_listing(console: Console) -> None:
 
 def cases() -> list[tuple[str, str]]:
     """Return the cases and what they are."""
-    described = ((name, read_scenario(case_path(name)).description) for name in case_names())
-    return [(name, " ".join(text.split())) for name, text in described]
+    return [(name, case_description(name)) for name in case_names()]
 
 
 def cameras() -> list[tuple[str, str]]:
@@ -45,20 +43,7 @@ def cameras() -> list[tuple[str, str]]:
 
 def targets() -> list[tuple[str, str]]:
     """Return the targets: those that carry markers, and those known by their wireframe."""
-    rows = []
-    for name in SPACECRAFT:
-        craft = spacecraft_by_name(name)
-        parts = f"{len(craft.part_names)} named parts"
-        if craft.markers is not None:
-            radius_mm = 1e3 * craft.markers.radius_m
-            rows.append(
-                (name, f"{len(craft.markers)} markers of radius {radius_mm:.1f} mm, {parts}")
-            )
-        elif name in WIREFRAMES:
-            wireframe = wireframe_by_name(name)
-            shape = f"{len(wireframe)} landmarks, {len(wireframe.edges)} edges"
-            rows.append((name, f"no markers; a wireframe of {shape}, {parts}"))
-    return rows
+    return list(TARGETS.items())
 
 
 def suns() -> list[tuple[str, str]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -130,19 +129,3 @@ class Chain:
     judge_alone: Callable[[Estimate, Any, TrueScene], Judgement] | None = None
     trials: Callable[[Dataset, int], list[Path]] | None = None
     brought: Mapping[str, str] = field(default_factory=dict)
-
-
-def lazily(place: str) -> Callable[..., Any]:
-    """Return a function that is imported when it is first called.
-
-    Parameters
-    ----------
-    place : str
-        ``module:function``.
-    """
-
-    def call(*arguments: Any, **options: Any) -> Any:
-        module, _, name = place.partition(":")
-        return getattr(import_module(module), name)(*arguments, **options)
-
-    return call

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from bench.chains.chain import Chain, ScorePart, lazily
+from bench.chains.chain import Chain, ScorePart
 from bench.pictures.stretch import STRETCH
+from models.loading import lazily
 
 CHAIN = Chain(
     name="tumble_images",

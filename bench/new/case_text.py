@@ -15,7 +15,8 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from renders.scenario.scenario import Scenario, case_path, read_scenario
+from renders.scenario.case_files import case_path
+from renders.scenario.scenario import Scenario, read_scenario
 
 WIDTH = 100
 FREE_TARGET = "xmm-tumble"  # the shipped case whose values show what [tumble] looks like

@@ -32,6 +32,7 @@ SMALLEST_WINDOW_PX = 6.0
 COLUMNS = 5
 PANEL_PX = 610
 IMAGES_INCHES = 6.6  # high, where they are square
+DIFFERENCE = "850 nm minus 800 nm"
 OUTSIDE_PX = -1e9  # where a marker behind the camera is drawn: nowhere
 INK, PAPER = "#e8e8e8", "#15181c"
 
@@ -47,11 +48,12 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
         2, 1, height_ratios=[images, 3.9 * rows], left=0.03, right=0.985, top=0.9, bottom=0.02,
         hspace=0.1,
     )  # fmt: skip
-    _draw_images(figure, grid[0].subgridspec(1, 3, wspace=0.08), record)
+    signals = _signals(record)
+    _draw_images(figure, grid[0].subgridspec(1, 3, wspace=0.08), record, signals)
     windows = grid[1].subgridspec(rows, COLUMNS, wspace=0.12, hspace=0.22)
     for place, marker in enumerate(shown):
         axes = figure.add_subplot(windows[place // COLUMNS, place % COLUMNS])
-        _draw_window(axes, record, marker)
+        _draw_window(axes, record, marker, signals[DIFFERENCE])
     _write_heading(figure, record)
     take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
@@ -71,7 +73,7 @@ def _signals(record: FrameRecord) -> dict[str, Floats]:
     return {
         "800 nm": image_800 - bias_dn,
         "850 nm": image_850 - bias_dn,
-        "850 nm minus 800 nm": image_850 - image_800,
+        DIFFERENCE: image_850 - image_800,
     }
 
 
@@ -85,23 +87,33 @@ def _shown_markers(record: FrameRecord) -> list[int]:
     return [int(marker) for marker in np.flatnonzero(inside)]
 
 
-def _draw_images(figure: Figure, grid: object, record: FrameRecord) -> None:
-    for column, (title, signal_dn) in enumerate(_signals(record).items()):
+def _draw_images(
+    figure: Figure, grid: object, record: FrameRecord, signals: dict[str, Floats]
+) -> None:
+    for column, (title, signal_dn) in enumerate(signals.items()):
         axes = figure.add_subplot(grid[0, column])  # type: ignore[index]
-        plain = stretch(signal_dn, record.detector)
-        marked = column > 0
-        picture = overlay(record, PANEL_PX, signal_dn) if marked else plain
+        picture = (
+            overlay(record, PANEL_PX, signal_dn)
+            if column > 0
+            else stretch(signal_dn, record.detector)
+        )
         axes.imshow(picture, cmap="gray", vmin=0, vmax=1)
         axes.set_title(title, color=INK, fontsize=12)
         _frame(axes)
 
 
-def _draw_window(axes: Axes, record: FrameRecord, marker: int) -> None:
-    detector = record.detector
+def _draw_window(axes: Axes, record: FrameRecord, marker: int, signal_dn: Floats) -> None:
     centre, radius_px = _window_centre(record, marker)
     half = max(SMALLEST_WINDOW_PX, WINDOW_RADII * radius_px)
-    signal = _signals(record)["850 nm minus 800 nm"]
-    axes.imshow(stretch(signal, detector), cmap="gray", vmin=0, vmax=1)
+    height, width = signal_dn.shape
+    first = np.maximum(np.floor(centre - half).astype(int), 0)  # all that shows, and no more
+    last = np.minimum(np.ceil(centre + half).astype(int) + 1, (width, height))
+    window_dn = signal_dn[first[1] : last[1], first[0] : last[0]]
+    (left, top), (right, bottom) = (first - 0.5).tolist(), (last - 0.5).tolist()
+    axes.imshow(
+        stretch(window_dn, record.detector), cmap="gray", vmin=0, vmax=1,
+        extent=(left, right, bottom, top),
+    )  # fmt: skip
     _draw_marks(axes, record)
     axes.set_xlim(centre[0] - half, centre[0] + half)
     axes.set_ylim(centre[1] + half, centre[1] - half)

@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -108,9 +109,12 @@ def drawn_svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
         Width and height, inches.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05))
+        figure = Figure(figsize=size)
+        FigureCanvasSVG(figure)
         draw(figure)
         take_literally(figure)
+        layout = ConstrainedLayoutEngine(h_pad=0.09, hspace=0.05)
+        layout.execute(figure)  # by hand: as the figure's own it has everything drawn twice
         stream = io.StringIO()
         figure.savefig(
             stream, format="svg", dpi=RASTER_DPI, metadata={"Date": None, "Creator": None}

@@ -7,7 +7,7 @@ from typing import Any
 
 from models.errors import DatasetError, UnreadableError, cause
 from models.reading.toml_file import read_toml
-from renders.scenario.embedded_files import MOST_SCENARIO_BYTES
+from renders.scenario.case_files import MOST_SCENARIO_BYTES
 
 
 def scenario_tables(folder: Path) -> dict[str, dict[str, Any]]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from scipy.stats import chi2
-
 from bench.scoring.limits import Limits
 from models.camera import Camera
 from models.estimate import Estimate
 from models.markers import MarkerPattern
 from models.onboard import OnboardKnowledge
+from models.quantiles import chi_square_quantile
 
 ALLOWED_CONFIDENCE = 0.9999  # one honest frame in ten thousand lies beyond its covariance
 NO_REASON = "none told"
@@ -125,7 +124,8 @@ def is_wrong(
     if not (position_m > limits.wrong_position_m or attitude_deg > limits.wrong_attitude_deg):
         return False
     return any(
-        square is None or not square <= chi2.ppf(ALLOWED_CONFIDENCE, dof) for square, dof in squares
+        square is None or not square <= chi_square_quantile(ALLOWED_CONFIDENCE, dof)
+        for square, dof in squares
     )
 
 

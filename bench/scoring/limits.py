@@ -9,7 +9,7 @@ from typing import Any
 
 from models.reading.fields import Fields
 from models.reading.toml_file import read_toml
-from renders.scenario.embedded_files import MOST_SCENARIO_BYTES
+from renders.scenario.case_files import MOST_SCENARIO_BYTES
 
 LARGEST = 1e9
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import chi2
 
 from models.arrays import Floats
 from models.estimate import PoseEstimate
 from models.pose import PoseError, RigidTransform, pose_error
+from models.quantiles import chi_square_quantile
 
 POSE_DOF = 6
 NEES_CONFIDENCE = 0.95
@@ -103,6 +103,6 @@ def consistency(nees: Sequence[float]) -> Nees:
         return Nees(None, None, None)
     dof = POSE_DOF * len(nees)
     tail = 0.5 * (1.0 - NEES_CONFIDENCE)
-    low, high = (float(chi2.ppf(p, dof) / dof) for p in (tail, 1.0 - tail))
+    low, high = (chi_square_quantile(p, dof) / dof for p in (tail, 1.0 - tail))
     mean = float(np.mean(np.sort(nees)) / POSE_DOF)
     return Nees(mean, [low, high], low <= mean <= high)

@@ -72,10 +72,10 @@ class Sweep:
 
     def run(self) -> int:
         """Sweep, and say what came of it."""
-        from bench.sweep.outcome import print_sweep
-
         out = self.out or Path("out") / f"sweep-{Path(self.case).stem}"
         result, files = api.sweep(self.case, out, **self.options())
+        from bench.sweep.outcome import print_sweep
+
         print_sweep(plain_console(), result)
         print(f"table: {files.csv}")
         for path in files.maps:

@@ -18,7 +18,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.errors import DatasetError
@@ -32,6 +31,7 @@ SUN = ("sun_x", "sun_y", "sun_z")
 EXPOSURE = "exposure_ms"
 MOST_BYTES = 24 * MEGABYTE
 MOST_ROWS = 100_000
+ROUNDING_S = 1e-9  # of a time that was counted in frames
 LATEST_S = 1e6  # as of every motion of a scenario
 UNIT_TOLERANCE = 1e-3  # a quaternion typed with four digits is one
 
@@ -134,6 +134,8 @@ def _way(header: Sequence[str], where: Path | str) -> str:
 
 
 def _pose(row: CsvRow, way: str) -> RigidTransform:
+    from scipy.spatial.transform import Rotation
+
     place = np.array([row.number(f"t_{way}_{axis}_m", *LENGTH_M, unit="m") for axis in "xyz"])
     wxyz = _unit(row, [f"q_{way}_{part}" for part in "wxyz"], "as a quaternion of length 1")
     turn = Rotation.from_quat(wxyz, scalar_first=True).as_matrix()

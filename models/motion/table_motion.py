@@ -17,10 +17,9 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from models.arrays import Floats
 from models.errors import ScenarioError
-from models.motion.pose_table import PoseTable
+from models.motion.pose_table import ROUNDING_S, PoseTable
 from models.pose import RigidTransform
 
-ROUNDING_S = 1e-9  # of a time that was counted in frames
 LARGEST_TURN_DEG = 120.0  # between rows: nearer to half a turn, the way round is a guess
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.motion.clohessy_wiltshire import GEO_SEMI_MAJOR_AXIS_M, mean_motion
@@ -35,6 +34,8 @@ def earth_pointing(zenith_right_ascension_deg: float) -> Floats:
 
 def rotation_from_wxyz(wxyz: ArrayLike) -> Floats:
     """Return the (3, 3) rotation ``R_a_from_b`` of a quaternion ``q_a_from_b``, scalar first."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_quat(np.asarray(wxyz, dtype=np.float64), scalar_first=True).as_matrix()
 
 
@@ -51,5 +52,7 @@ def turned(
         Angular velocity of the target with respect to the stars, in its own axes; constant.
     time_s : float, s
     """
+    from scipy.spatial.transform import Rotation
+
     turn_deg = np.asarray(rate_in_target_deg_h) * (time_s / 3600.0)
     return Rotation.from_rotvec(-turn_deg, degrees=True).as_matrix() @ rotation

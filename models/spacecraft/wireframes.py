@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import TYPE_CHECKING
 
 from models.errors import ScenarioError
-from models.spacecraft.hispasat_wireframe import hispasat_wireframe
-from models.spacecraft.xmm_wireframe import xmm_wireframe
-from models.wireframe.wireframe import Wireframe
+from models.loading import lazily
+
+if TYPE_CHECKING:
+    from models.wireframe.wireframe import Wireframe
 
 WIREFRAMES: dict[str, Callable[[], Wireframe]] = {
-    "xmm": xmm_wireframe,
-    "hispasat": hispasat_wireframe,
+    "xmm": lazily("models.spacecraft.xmm_wireframe:xmm_wireframe"),
+    "hispasat": lazily("models.spacecraft.hispasat_wireframe:hispasat_wireframe"),
 }
 
 

@@ -6,10 +6,10 @@ from itertools import combinations
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import chi2, f
 
 from models.arrays import Floats
 from models.pose import RigidTransform
+from models.quantiles import chi_square_quantile, f_quantile
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.problem import PnpProblem
 from pipelines.pnp.solver_options import LevenbergMarquardtOptions
@@ -80,16 +80,16 @@ def find_outliers(
     total = float(np.sum(problem.residuals(pose.rotation, pose.translation) ** 2))
     for together in (1, 2):
         freedom = 2 * (len(problem) - together) - 6
-        if freedom < 1 or total <= chi2.ppf(CALM, freedom + 2 * together):
+        if freedom < 1 or total <= chi_square_quantile(CALM, freedom + 2 * together):
             return ()
         gains = deletion_gains(problem, pose, together)
         suspects = sorted(gains, key=lambda chosen: -gains[chosen])[:SUSPECTS]
         left = {chosen: _chi2_without(problem, pose, chosen, solver) for chosen in suspects}
         worst = min(left, key=lambda chosen: left[chosen])
-        if left[worst] <= chi2.ppf(CALM, freedom):
+        if left[worst] <= chi_square_quantile(CALM, freedom):
             limit = outlier_sigmas**2
         else:
-            ratio = float(f.isf(FALSE_ALARM, 2 * together, freedom))
+            ratio = f_quantile(1.0 - FALSE_ALARM, 2 * together, freedom)
             limit = left[worst] / freedom * 2.0 * together * ratio
         if total - left[worst] > limit:
             return worst
@@ -126,6 +126,9 @@ def common_variance_px2(residuals_px: Floats, covariance_px2: Floats) -> float:
         solved = np.linalg.solve(wider, residuals_px[..., None])[..., 0]
         return float((residuals_px * solved).sum()) - freedom
 
-    if excess(0.0) + freedom <= chi2.ppf(CALM, freedom) or excess(LARGEST_COMMON_PX) > 0.0:
+    if (
+        excess(0.0) + freedom <= chi_square_quantile(CALM, freedom)
+        or excess(LARGEST_COMMON_PX) > 0.0
+    ):
         return 0.0
     return float(brentq(excess, 0.0, LARGEST_COMMON_PX, xtol=1e-6)) ** 2

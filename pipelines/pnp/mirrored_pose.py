@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from scipy.stats import chi2
 
 from models.arrays import Floats
 from models.pose import RigidTransform
+from models.quantiles import chi_square_quantile
 from pipelines.pnp.match import Solution
 from pipelines.pnp.predicted_pose import PredictedPose
 
 NEARLY_PLANE = 0.1  # relief over the lesser extent; with more, the mirrored pose never fits
 DECISIVE_CHI2 = 13.8  # likelihoods a thousand to one
-SAME_CHI2 = float(chi2.ppf(0.95, 6))  # poses nearer than this, in sigmas squared, are one
+SAME_CHI2 = chi_square_quantile(0.95, 6)  # poses nearer than this, in sigmas squared, are one
 
 
 def mirrored_pose(pose: RigidTransform, points_in_target: Floats) -> RigidTransform | None:

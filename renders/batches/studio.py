@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import OpenEXR
 
-from models.arrays import AnyArray, Radiance
+from models.arrays import AnyArray, Mask, Radiance
 from models.errors import StorageError
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
@@ -39,6 +40,8 @@ class Studio:
     geometry: Any = None
     placed_cam_from_target: RigidTransform | None = None
     kept: LightKeeping = ALL_LIGHT
+    _filled: tuple[RigidTransform, Mask | None] | None = field(default=None, init=False)
+    """A pose, and the pixels that spacecraft can fill from there."""
 
     def build(self, cam_from_target: RigidTransform) -> None:
         """Load the scene once, and put the chaser in its place unless it stands there."""
@@ -115,6 +118,8 @@ class Studio:
 
         self.build(cam_from_target)
         render = self.world.scenario.render
+        anywhere = self.world.shows_earth(exposure, cam_from_target)
+        in_view = None if anywhere else self._silhouette(cam_from_target)
         return render_radiance(
             self.scene,
             self.geometry,
@@ -128,7 +133,7 @@ class Studio:
                 max_depth=render.max_depth,
                 seed=self.world.render_seed(exposure.frame),
             ),
-            self.world.in_view(exposure),
+            in_view,
         )
 
     def sealed(self, exposure: Exposure, cam_from_target: RigidTransform) -> SealedRecord:
@@ -146,13 +151,21 @@ class Studio:
             self.geometry,
             self.world.camera,
             cam_from_target,
-            self.world.silhouette(cam_from_target),
+            self._silhouette(cam_from_target),
         )
+
+    def _silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
+        """Return the pixels that spacecraft can fill; light and truth of a pose share them."""
+        if self._filled is None or self._filled[0] is not cam_from_target:
+            self._filled = (cam_from_target, self.world.silhouette(cam_from_target))
+        return self._filled[1]
 
 
 def start_renderer(variant: str, threads: int | None) -> None:
-    """Choose Mitsuba's variant for this process, and how many threads it takes; None: all cores."""
+    """Choose Mitsuba's variant for this process, and how many threads work; None: all cores."""
     activate(variant)
+    cores = len(os.sched_getaffinity(0))
+    OpenEXR.set_global_thread_count(min(threads or cores, cores))
     if threads is not None:
         import drjit
 

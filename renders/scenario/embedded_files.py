@@ -15,13 +15,11 @@ from models.camera import Camera
 from models.dataset.marker_file import read_markers
 from models.errors import DatasetError, ScenarioError
 from models.motion.pose_table import PoseTable, pose_table, read_pose_lines
-from models.reading.regular_file import MEGABYTE
 from models.reading.toml_file import read_toml
 from renders.scenario.camera_tables import CameraTable
 from renders.scenario.own_target import with_own_target_read
 
 Read = TypeVar("Read")
-MOST_SCENARIO_BYTES = 32 * MEGABYTE  # a table of poses among it
 BESIDE_A_FILE = ("file", "rendered_width")  # keys of [camera] that say nothing of the camera
 
 

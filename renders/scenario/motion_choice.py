@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from models.errors import DatasetError, ScenarioError
-from models.motion.pose_table import PoseTable, pose_table
-from models.motion.table_motion import ROUNDING_S, SmoothMotion, Stills, TableMotion
+from models.motion.pose_table import ROUNDING_S, PoseTable, pose_table
 from renders.scenario.motion_tables import MotionKind
 from renders.scenario.own_target import target_has_markers
 
 if TYPE_CHECKING:
+    from models.motion.table_motion import TableMotion
     from renders.scenario.scenario import Scenario
 
 MOST_FRAMES = 100_000  # over five hours at 5 Hz; a motion of more is a slip
@@ -61,6 +61,8 @@ def table_motion_of(scenario: Scenario) -> TableMotion:
     ScenarioError
         If the table cannot be used.
     """
+    from models.motion.table_motion import SmoothMotion, Stills  # splines: other motions need none
+
     assert scenario.motion.table is not None
     try:
         table = _read(scenario.motion.table)

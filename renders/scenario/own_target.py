@@ -14,14 +14,13 @@ from pydantic import Field
 
 from models.errors import DatasetError, ScenarioError
 from models.spacecraft.catalogue import spacecraft_by_name
-from models.spacecraft.own.build import OwnTarget, checked_description, own_target, read_own_target
-from models.spacecraft.own.description import read_lines_of
-from models.spacecraft.part import Spacecraft
 from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
-from models.wireframe.wireframe import Wireframe
 from renders.scenario.table import Table
 
 if TYPE_CHECKING:
+    from models.spacecraft.own.build import OwnTarget
+    from models.spacecraft.part import Spacecraft
+    from models.wireframe.wireframe import Wireframe
     from renders.scenario.scenario import Scenario
 
 SUFFIX = ".toml"
@@ -58,6 +57,8 @@ class OwnTargetTable(Table):
         ScenarioError
             If the mesh cannot be used, or is another than it was.
         """
+        from models.spacecraft.own.build import own_target
+
         try:
             built = own_target(self.lines, f"{where}: own_target", Path(self.folder))
         except DatasetError as error:
@@ -78,8 +79,10 @@ class OwnTargetTable(Table):
         where : str
             For messages.
         """
+        from models.spacecraft.own.description import description_of
+
         try:
-            return checked_description(self.lines, where, Path(self.folder)).markers is not None
+            return description_of(self.lines, where, Path(self.folder)).markers is not None
         except DatasetError as error:
             raise ScenarioError(str(error)) from error
 
@@ -107,6 +110,9 @@ def with_own_target_read(table: dict[str, Any], path: Path) -> None:
             f"{path}: expected target = {target!r} or a table [own_target], got both; leave the "
             "table out"
         )
+    from models.spacecraft.own.build import read_own_target
+    from models.spacecraft.own.description import read_lines_of
+
     file = path.parent / target
     try:
         lines, own = read_lines_of(file), read_own_target(file)

@@ -6,7 +6,6 @@ works wherever a case's name does. Every default is written out beside the outpu
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 from dataclasses import dataclass
@@ -18,9 +17,7 @@ from pydantic import Field, ValidationError
 
 from models.camera import Camera
 from models.errors import ScenarioError, UnreadableError, cause
-from models.reading.bounds import MOST_NAME
 from models.reading.options import check_option
-from models.reading.shown import shown
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
@@ -38,7 +35,8 @@ from renders.scenario.camera_tables import (
     check_focus,
     check_lens,
 )
-from renders.scenario.embedded_files import MOST_SCENARIO_BYTES, with_files_read
+from renders.scenario.case_files import MOST_SCENARIO_BYTES, case_path
+from renders.scenario.embedded_files import with_files_read
 from renders.scenario.errors import explain
 from renders.scenario.frame_checks import check_frames
 from renders.scenario.light_tables import (
@@ -66,7 +64,6 @@ from renders.scenario.table import Name, Prose, Table
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable, check_told
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
 
-CASES = Path(__file__).resolve().parents[2] / "bench" / "cases"
 OPTIONS = {
     "motion.rate_hz": "--rate-hz",
     "motion.start_s": "--span-s (its start)",
@@ -250,34 +247,6 @@ class RenderRequest:
     keep_light: Literal["all", "some", "none"] = "all"
     keep_every: int | None = None
     threads: int | None = None
-
-
-def case_names() -> list[str]:
-    """Return the names of the cases that ship with the bench."""
-    return sorted(path.stem for path in CASES.glob("*.toml"))
-
-
-def case_path(case: str) -> Path:
-    """Return the file of a case, by name or path.
-
-    Raises
-    ------
-    ScenarioError
-        If there is none; the message lists the cases and suggests the nearest.
-    """
-    path = CASES / f"{case}.toml"
-    if path.is_file() and "/" not in case:
-        return path
-    if case.endswith(".toml"):
-        if Path(case).is_file():
-            return Path(case)
-        raise ScenarioError(f"expected a scenario file at {case}, found none")
-    near = difflib.get_close_matches(case[:MOST_NAME], case_names(), n=1)
-    hint = f"; perhaps you meant {near[0]}" if near else ""
-    raise ScenarioError(
-        f"expected a case among {', '.join(case_names())}, or a path to a .toml file, "
-        f"got {shown(case)}{hint}"
-    )
 
 
 def read_scenario(path: Path) -> Scenario:

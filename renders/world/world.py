@@ -149,13 +149,13 @@ class World:
         pieces = pieces_of(self.target, self.chaser, cam_from_target)
         return pixels_in_view(pieces, self.camera, cam_from_target)
 
-    def in_view(self, exposure: Exposure) -> Mask | None:
-        """Return the pixels that can show any light, (height, width); None: any."""
-        cam_from_target = self.trajectory.cam_from_target(exposure.time_s)
-        for group in self.groups(exposure):
-            if isinstance(group, EarthGroup) and sees(self.camera, cam_from_target, group.earth):
-                return None
-        return self.silhouette(cam_from_target)
+    def shows_earth(self, exposure: Exposure, cam_from_target: RigidTransform) -> bool:
+        """Tell whether the Earth is in the image: then any pixel can show light."""
+        return any(
+            sees(self.camera, cam_from_target, group.earth)
+            for group in self.groups(exposure)
+            if isinstance(group, EarthGroup)
+        )
 
     def render_seed(self, frame: int) -> int:
         """Return the seed of all exposures of a frame: their noise cancels in the difference."""

@@ -29,7 +29,6 @@ from models.markers import MarkerPattern
 from models.onboard import needed
 from models.pose import PoseError, pose_error
 from pipelines.chaser_fixed.knowledge import FlightKnowledge
-from renders.scenario.scenario import read_scenario
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
 
 HALF = 0.5  # of a marker, in sunlight
@@ -116,6 +115,8 @@ def read_true_dataset(dataset: Dataset) -> TrueDataset:
     DatasetError
         If the truth half is missing or lacks an exposure, or the markers on board are others.
     """
+    from renders.scenario.scenario import read_scenario  # 0.1 s, and pictures need it not
+
     folder = dataset.folder
     exposures = read_exposures(folder)
     told = FlightKnowledge.of(dataset.onboard)

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
 
 from bench.estimating.tumble.starts import read_starts, starts_path
 from bench.scoring.asked import Check, checks
@@ -21,6 +20,7 @@ from bench.scoring.tumble.judged_images import STATE_DOF, JudgedImage, TrueImage
 from bench.scoring.tumble.navigation_errors import pose_error_sizes
 from bench.scoring.tumble.score_card import CornerScore, Limit, StartsScore, StateScore
 from models.errors import DatasetError
+from models.quantiles import chi_square_quantile
 
 CONFIDENCE = 0.95
 BINS = 4
@@ -122,7 +122,7 @@ def _nees(squares: Sequence[float]) -> dict[str, float | None]:
     there = np.array([value for value in squares if not np.isnan(value)])
     if not there.size:
         return {"mean": None, "inside": None}
-    limit = float(chi2.ppf(CONFIDENCE, STATE_DOF))
+    limit = chi_square_quantile(CONFIDENCE, STATE_DOF)
     return {
         "mean": float(there.mean() / STATE_DOF),
         "inside": float(np.mean(there <= limit)),

@@ -14,7 +14,6 @@ import numpy as np
 from models.arrays import Floats, Mask
 from models.errors import DatasetError, ScenarioError
 from models.materials import Material
-from models.spacecraft.catalogue import SPACECRAFT
 from models.spacecraft.own.description import (
     DEFAULT_MATERIAL,
     OwnDescription,
@@ -117,7 +116,7 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
     DatasetError, ScenarioError
         As ``read_own_target``.
     """
-    described = checked_description(lines, where, folder)
+    described = description_of(lines, where, folder)
     mesh = read_mesh_file(folder / described.mesh)
     placed = place(described, mesh)
     parts, materials = _parts(described, mesh, placed)
@@ -134,23 +133,6 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
         inertia_kg_m2=placed.inertia_kg_m2,
         mesh_sha256=mesh.sha256,
     )
-
-
-def checked_description(lines: tuple[str, ...], where: str, folder: Path) -> OwnDescription:
-    """Return what a TOML says, its name being that of no preset; see ``description_of``.
-
-    Parameters
-    ----------
-    lines : tuple of str
-    where : str
-    folder : Path
-    """
-    described = description_of(lines, where, folder)
-    if described.name in SPACECRAFT:
-        raise DatasetError(
-            f"{where}: expected a name of its own, got {described.name!r}, which is a preset's"
-        )
-    return described
 
 
 def place(described: OwnDescription, mesh: MeshFile) -> PlacedMesh:

@@ -25,6 +25,7 @@ from models.reading.fields import Fields
 from models.reading.nesting import check_toml_nesting
 from models.reading.regular_file import read_lines
 from models.reading.shown import shown, shown_line
+from models.spacecraft.catalogue import SPACECRAFT
 from models.spacecraft.own.mesh_file import IN_METRES, SUFFIXES
 
 MOST_TOML_BYTES = 1_000_000
@@ -200,6 +201,8 @@ def _description(fields: Fields, where: str, folder: Path) -> OwnDescription:
 
 def _name(fields: Fields) -> str:
     name = fields.text("name", 60)
+    if name in SPACECRAFT:
+        raise fields.refusal("name", "as a name of its own", f"{name!r}, which is a preset's")
     if not name.strip() or name.lower().endswith((".toml", ".json")):
         raise fields.refusal("name", "as a name, and not that of a file", shown(name))
     return name

@@ -13,13 +13,11 @@ import numpy as np
 import pytest
 
 from models.errors import ScenarioError
+from renders.scenario.case_files import CASES, case_description, case_names, case_path
 from renders.scenario.scenario import (
-    CASES,
     SHAPING_NOTHING,
     RenderRequest,
     Scenario,
-    case_names,
-    case_path,
     check_scenario,
     read_scenario,
     resolve,
@@ -275,6 +273,7 @@ def test_every_case_can_be_used(case: str) -> None:
     scenario = resolve(replace(REQUEST, case=case))
     assert scenario.name == case
     assert scenario.description.strip()
+    assert case_description(case) == " ".join(scenario.description.split())
     assert len(scenario.times_s) > 1
 
 

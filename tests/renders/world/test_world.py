@@ -14,7 +14,8 @@ from models.lights.sun import sun_direction
 from models.motion.approach import Approach
 from models.onboard import OnboardKnowledge, PosePrior
 from models.pose import RigidTransform
-from renders.scenario.scenario import RenderRequest, Scenario, case_names, check_scenario, resolve
+from renders.scenario.case_files import case_names
+from renders.scenario.scenario import RenderRequest, Scenario, check_scenario, resolve
 from renders.tracing.light_groups import EarthGroup
 from renders.world.build import world_of
 from renders.world.checks import shown_in_some_image
