@@ -110,7 +110,7 @@ def markers_and_wireframe(target: str) -> tuple[MarkerPattern | None, Wireframe 
         from models.spacecraft.own.build import read_own_target  # builds meshes: only when asked
 
         own = read_own_target(Path(target))
-        return own.spacecraft.markers, own.wireframe
+        return own.spacecraft.markers, own.known_wireframe
     if target.lower().endswith(".json"):
         return None, read_wireframe(Path(target))
     from models.spacecraft.catalogue import spacecraft_by_name  # builds meshes: only when asked

@@ -133,7 +133,7 @@ def _inspected(
 ) -> Inspection:
     target = own_target(lines, where, folder)
     described = target.description
-    mesh = read_mesh_file(folder / described.mesh)
+    mesh = read_mesh_file(described.mesh_path)
     is_guess = own_toml is None and mesh.path.suffix.lower() not in IN_METRES
     unit = next(name for name, value in UNITS_M.items() if value == described.unit_m)
     surface = Surface.of(mesh)
@@ -160,6 +160,8 @@ def _mass_line(found: Inspection) -> str:
 
 def _wireframe_line(target: OwnTarget) -> str:
     frame = target.wireframe
+    if frame is None:
+        return f"none: {target.wireframe_fault}"
     turns = f"; {len(frame.symmetries)} symmetries: poses that differ by one cannot be told apart"
     return (
         f"{len(frame)} landmarks, {len(frame.edges)} edges, {len(frame.triangles_in_target)} "

@@ -40,13 +40,13 @@ SCALES_M = tuple(step * 10.0**power for power in range(-4, 4) for step in (1.0, 
 MOST_NAMED = 14
 
 
-def side_picture(craft: Spacecraft, wireframe: Wireframe, title: str) -> bytes:
+def side_picture(craft: Spacecraft, wireframe: Wireframe | None, title: str) -> bytes:
     """Return the picture as PNG; the process's variant must be set.
 
     Parameters
     ----------
     craft : Spacecraft
-    wireframe : Wireframe
+    wireframe : Wireframe or None
     title : str
     """
     radius = _radius_m(craft)
@@ -66,7 +66,8 @@ def side_picture(craft: Spacecraft, wireframe: Wireframe, title: str) -> bytes:
         pose = look_along(ASKEW, FAR * radius, np.array([0.0, 0.0, -1.0]))
         _draw(panels[0, 3], views.seen(_fine(camera), pose), palette, "askew")
         _finish(panels[0, 3], camera, pose, radius)
-        _blank(panels[1, 3], f"wireframe: {len(wireframe)} landmarks, {len(wireframe.edges)} edges")
+        shape = (0, 0) if wireframe is None else (len(wireframe), len(wireframe.edges))
+        _blank(panels[1, 3], f"wireframe: {shape[0]} landmarks, {shape[1]} edges")
         _wires(panels[1, 3], wireframe, camera, pose, 1.2, hidden=True)
         _finish(panels[1, 3], camera, pose, radius)
         advance()
@@ -126,7 +127,7 @@ def _blank(panel: Axes, name: str) -> None:
 
 def _wires(
     panel: Axes,
-    wireframe: Wireframe,
+    wireframe: Wireframe | None,
     camera: Camera,
     pose: RigidTransform,
     width: float,
@@ -134,6 +135,8 @@ def _wires(
     hidden: bool = False,
 ) -> None:
     """Draw what is seen of edges and landmarks, and faintly what is hidden."""
+    if wireframe is None:
+        return
     if len(wireframe.edges):
         pieces = visible_edge_pieces(wireframe, pose, 25)
         pixels = camera.project(pose @ pieces.points_in_target.reshape(-1, 3))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from models.errors import DatasetError, ScenarioError
+from models.reading.shown import shown
 from models.spacecraft.catalogue import spacecraft_by_name
 from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
 from renders.scenario.table import Table
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from models.wireframe.wireframe import Wireframe
     from renders.scenario.scenario import Scenario
 
-SUFFIX = ".toml"
+SUFFIX, MESHES = ".toml", (".glb", ".gltf", ".obj", ".stl", ".ply")
 MOST_LINES, MOST_LINE, MOST_PATH = 20_000, 10_000, 4096
 
 
@@ -65,7 +66,7 @@ class OwnTargetTable(Table):
             raise ScenarioError(str(error)) from error
         if built.mesh_sha256 != self.mesh_sha256:
             raise ScenarioError(
-                f"{where}: expected the mesh {Path(self.folder) / built.description.mesh} as it "
+                f"{where}: expected the mesh {built.description.mesh_path} as it "
                 f"was, of hash {self.mesh_sha256[:12]}, got one of {built.mesh_sha256[:12]}; put "
                 "the old one back, or render into another folder"
             )
@@ -103,6 +104,11 @@ def with_own_target_read(table: dict[str, Any], path: Path) -> None:
         If it cannot be used, or is told twice.
     """
     target = table.get("target")
+    if isinstance(target, str) and target.lower().endswith(MESHES):
+        raise ScenarioError(
+            f"{path}: expected target as the .toml beside a mesh, got {shown(target)}; "
+            f"`rvbench inspect {target}` writes one"
+        )
     if not isinstance(target, str) or not target.lower().endswith(SUFFIX):
         return
     if "own_target" in table:
@@ -159,11 +165,11 @@ def wireframe_of(scenario: Scenario) -> Wireframe:
     """
     if scenario.own_target is None:
         return wireframe_by_name(scenario.target)
-    return scenario.own_target.built(scenario.name).wireframe
+    return scenario.own_target.built(scenario.name).known_wireframe
 
 
 def wireframe_if_any(scenario: Scenario) -> Wireframe | None:
     """Return the wireframe of a scenario's target, or None if it has none."""
-    if scenario.own_target is None and scenario.target not in WIREFRAMES:
-        return None
-    return wireframe_of(scenario)
+    if scenario.own_target is not None:
+        return scenario.own_target.built(scenario.name).wireframe
+    return wireframe_of(scenario) if scenario.target in WIREFRAMES else None

@@ -45,7 +45,9 @@ class OwnTarget:
     description : OwnDescription
     spacecraft : Spacecraft
         In the target frame.
-    wireframe : Wireframe
+    wireframe : Wireframe or None
+    wireframe_fault : str
+        Why there is none; empty where there is one.
     mass_kg : float
     inertia_kg_m2 : (3, 3) array, kg m2
         About the centre of mass, target axes.
@@ -55,10 +57,24 @@ class OwnTarget:
 
     description: OwnDescription
     spacecraft: Spacecraft
-    wireframe: Wireframe
+    wireframe: Wireframe | None
+    wireframe_fault: str
     mass_kg: float
     inertia_kg_m2: Floats
     mesh_sha256: str
+
+    @property
+    def known_wireframe(self) -> Wireframe:
+        """The wireframe, where it is needed.
+
+        Raises
+        ------
+        ScenarioError
+            If there is none; the message says what to do.
+        """
+        if self.wireframe is None:
+            raise ScenarioError(self.wireframe_fault)
+        return self.wireframe
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +133,7 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
         As ``read_own_target``.
     """
     described = description_of(lines, where, folder)
-    mesh = read_mesh_file(folder / described.mesh)
+    mesh = read_mesh_file(described.mesh_path)
     placed = place(described, mesh)
     parts, materials = _parts(described, mesh, placed)
     craft = Spacecraft(
@@ -125,10 +141,12 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
     )
     if described.markers is not None:
         craft = with_own_markers(craft, described.markers)
+    wireframe, fault = _wireframe(described, placed)
     return OwnTarget(
         description=described,
         spacecraft=craft,
-        wireframe=_wireframe(described, placed),
+        wireframe=wireframe,
+        wireframe_fault=fault,
         mass_kg=placed.mass_kg,
         inertia_kg_m2=placed.inertia_kg_m2,
         mesh_sha256=mesh.sha256,
@@ -272,9 +290,10 @@ def _check_part_names(described: OwnDescription, names: tuple[str, ...]) -> None
             )
 
 
-def _wireframe(described: OwnDescription, placed: PlacedMesh) -> Wireframe:
+def _wireframe(described: OwnDescription, placed: PlacedMesh) -> tuple[Wireframe | None, str]:
+    """Return the wireframe, or why there is none: a target can be rendered without."""
     if described.wireframe.file is not None:
-        return read_wireframe(described.folder / described.wireframe.file)
+        return read_wireframe(described.folder / described.wireframe.file), ""
     names = tuple(dict.fromkeys(placed.names))
     part = np.concatenate(
         [
@@ -283,11 +302,12 @@ def _wireframe(described: OwnDescription, placed: PlacedMesh) -> Wireframe:
         ]
     )
     try:
-        return found_wireframe(
+        found = found_wireframe(
             described.name, placed.all_triangles, part, names, described.wireframe
         )
     except ValueError as error:
-        raise ScenarioError(f"{described.where}: {error}") from error
+        return None, f"{described.where}: {error}"
+    return found, ""
 
 
 def materials_used(craft: Spacecraft) -> Mapping[str, tuple[str, ...]]:

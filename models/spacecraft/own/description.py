@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -135,6 +136,11 @@ class OwnDescription:
     smooth_deg: float
     wireframe: WireframeWish
     markers: MarkerPattern | None
+
+    @property
+    def mesh_path(self) -> Path:
+        """Where the mesh lies."""
+        return Path(os.path.normpath(self.folder / self.mesh))
 
 
 def read_lines_of(path: Path) -> tuple[str, ...]:

@@ -77,17 +77,19 @@ def test_the_satellites_corners_are_those_of_its_boxes(tmp_path):
         toml_of(millimetre_stl(tmp_path / "a.stl"), 'unit = "mm"', 'origin = "mesh"')
     )
     corners = np.concatenate([mesh.vertices for mesh in boxes().values()])
-    away = np.linalg.norm(built.wireframe.points_in_target[:, None] - corners, axis=2).min(axis=1)
+    away = np.linalg.norm(built.known_wireframe.points_in_target[:, None] - corners, axis=2).min(
+        axis=1
+    )
     assert away.max() < 1e-6
-    assert len(built.wireframe) >= 14
-    assert len(built.wireframe.edges) >= 16
+    assert len(built.known_wireframe) >= 14
+    assert len(built.known_wireframe.edges) >= 16
 
 
 def test_landmarks_typed_are_joined_by_edges_found(tmp_path):
     x, y, z = 0.6, 0.45, 0.75
     lines = ["[wireframe]", "find = true", "[wireframe.landmarks]", f"foot = [{x}, {y}, {-z}]"]
     toml = toml_of(millimetre_stl(tmp_path / "a.stl"), 'unit = "mm"', 'origin = "mesh"', *lines)
-    frame = read_own_target(toml).wireframe
+    frame = read_own_target(toml).known_wireframe
     assert frame.landmark_names[0] == "foot"
     assert (frame.edges == 0).any()
     assert (np.linalg.norm(frame.points_in_target[1:] - [x, y, -z], axis=1) > 0.03).all()
@@ -104,8 +106,8 @@ def test_a_wireframe_typed_is_taken_as_it_is(tmp_path):
         "d = [0, -1, 0.2]",
     ]
     frame = read_own_target(toml_of(millimetre_stl(tmp_path / "a.stl"), 'unit = "mm"', *lines))
-    assert frame.wireframe.landmark_names == ("a", "b", "c", "d")
-    assert len(frame.wireframe.edges) == 4
+    assert frame.known_wireframe.landmark_names == ("a", "b", "c", "d")
+    assert len(frame.known_wireframe.edges) == 4
 
 
 def test_the_coarse_surface_hides_what_the_fine_one_hides():
