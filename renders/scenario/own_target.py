@@ -79,6 +79,11 @@ class OwnTargetTable(Table):
         ----------
         where : str
             For messages.
+
+        Raises
+        ------
+        ScenarioError
+            If its TOML cannot be used.
         """
         from models.spacecraft.own.description import description_of
 

@@ -167,8 +167,10 @@ def description_of(lines: tuple[str, ...], where: str, folder: Path) -> OwnDescr
 
     Raises
     ------
+    UnreadableError
+        If it is no TOML.
     DatasetError
-        If it is no TOML, a key is unknown or missing, or a value cannot be.
+        If a key is unknown or missing, or a value cannot be.
     """
     text = "\n".join(lines)
     check_toml_nesting(Path(where), text)

@@ -74,7 +74,13 @@ def look_of(mesh: Any) -> Look:
 
 
 def linear(srgb: Floats) -> Floats:
-    """Return linear light of sRGB values, 0 to 1 (IEC 61966-2-1)."""
+    """Return linear light of sRGB values, (...,) array of 0 to 1 (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    srgb : (...,) array
+        0 to 1.
+    """
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 

@@ -96,9 +96,11 @@ def read_mesh_file(path: Path) -> MeshFile:
 
     Raises
     ------
+    UnreadableError
+        If it is none, too large, names files out of its folder, or has vertices that are no
+        numbers.
     DatasetError
-        If it is none, too large, claims what it does not hold, names files out of its folder, or
-        has vertices that are no numbers.
+        If it claims what it does not hold; the message names the key.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
