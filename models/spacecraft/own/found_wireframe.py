@@ -22,8 +22,9 @@ from models.spacecraft.own.welded import welded
 from models.wireframe.visibility import visible_points
 from models.wireframe.wireframe import Wireframe
 
-MOST_TRIED = 600  # corners that are looked at from all around
-DIRECTIONS = 96  # from which
+MOST_TRIED = 400  # corners that are looked at from all around
+DIRECTIONS = 64  # from which
+FINE_FACES = 3000  # of the surface that hides them then
 SEEN_FROM = 0.08  # of them, at least, to be worth knowing
 APART_SHARE = 0.03  # of the radius: corners nearer than this are one
 LEAST_EDGE_SHARE = 0.06  # of the radius: an edge shorter than this is no edge to look for
@@ -56,7 +57,7 @@ class FoundShape:
     rounded: bool = False
 
 
-def find_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundShape:
+def find_shape(triangles: Floats, fine: Floats, hiding: Floats, wish: WireframeWish) -> FoundShape:
     """Find corners and edges on a mesh; where all are rounded, those of its coarse form.
 
     A fillet of many small steps has no sharp edge. With few faces left it is a bevel or an edge,
@@ -66,11 +67,11 @@ def find_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> FoundS
     ----------
     triangles : (f, 3, 3) array, m
         In the target frame.
-    hiding : (g, 3, 3) array, m
-        The same surface with fewer faces.
+    fine, hiding : (g, 3, 3) arrays, m
+        The same surface with fewer faces, and with few.
     wish : WireframeWish
     """
-    shape = _sharp_shape(triangles, hiding, wish)
+    shape = _sharp_shape(triangles, fine, wish)
     for faces in COARSE_FACES:
         if len(shape.edges) >= ENOUGH_EDGES and len(shape.points) >= ENOUGH_CORNERS:
             break
@@ -149,12 +150,13 @@ def found_wireframe(
     ValueError
         If fewer than four corners, or no edge, come of it.
     """
-    hiding = simplified(triangles, wish.most_triangles)
+    fine = simplified(triangles, max(FINE_FACES, wish.most_triangles))
+    hiding = simplified(fine, wish.most_triangles)
     typed = np.array([*wish.landmarks.values()], dtype=np.float64).reshape(-1, 3)
     names, points = list(wish.landmarks), typed
     edges = [(names.index(a), names.index(b)) for a, b in wish.edges]
     if wish.find:
-        shape = find_shape(triangles, hiding, wish)
+        shape = find_shape(triangles, fine, hiding, wish)
         radius = float(np.linalg.norm(triangles.reshape(-1, 3), axis=1).max())
         place: dict[int, int] = {}
         near = shape.points[:, None] - typed

@@ -8,6 +8,7 @@ faces is first thinned by cells (Rossignac and Borrel 1993).
 from __future__ import annotations
 
 import heapq
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from models.spacecraft.own.welded import welded
 MOST_COLLAPSED = 20_000  # faces that one core collapses in some seconds
 RIM_WEIGHT = 10.0  # how dear it is to move the rim of an open sheet
 TURNED = 0.2  # least cosine between a face before and after
+ROW, COLUMN = np.triu_indices(4)  # of a quadric: ten numbers tell it
+
+Point: TypeAlias = tuple[float, float, float]
 
 
 def simplified(triangles: Floats, most: int) -> Floats:
@@ -61,7 +65,7 @@ def _thinned(points: Floats, faces: Indices, most: int) -> tuple[Floats, Indices
 
 
 class _Collapse:
-    """The collapses of one mesh.
+    """The collapses of one mesh, in plain Python: of three numbers numpy makes slow work.
 
     Parameters
     ----------
@@ -70,18 +74,28 @@ class _Collapse:
     """
 
     def __init__(self, points: Floats, faces: Indices) -> None:
-        self.points = points
-        self.faces: list[list[int] | None] = [list(face) for face in faces.tolist()]
+        self.points: list[Point] = [(x, y, z) for x, y, z in points.tolist()]
+        self.faces: list[list[int] | None] = faces.tolist()
+        self.alive = len(faces)
         self.around: list[set[int]] = [set() for _ in points]
         for number, face in enumerate(faces.tolist()):
             for corner in face:
                 self.around[corner].add(number)
-        self.quadrics = _quadrics(points, faces)
-        self.stamp = np.zeros(len(points), dtype=np.int64)
+        self.quadrics: list[list[float]] = _quadrics(points, faces)[:, ROW, COLUMN].tolist()
+        self.stamp = [0] * len(points)
 
     def down_to(self, most: int) -> Floats:
-        """Collapse edges until at most so many faces are left; return them, (g, 3, 3)."""
-        alive = len(self.faces)
+        """Collapse edges until at most so many faces are left; return them, (g, 3, 3).
+
+        Where the surface branches, what keeps it in order may leave too many; then it goes on
+        without.
+        """
+        for in_order in (True, False):
+            self._collapse(most, in_order)
+        left = np.array([face for face in self.faces if face], dtype=np.int64).reshape(-1, 3)
+        return np.asarray(np.array(self.points)[left])
+
+    def _collapse(self, most: int, in_order: bool) -> None:
         ends = {
             (min(a, b), max(a, b))
             for face in self.faces
@@ -90,28 +104,25 @@ class _Collapse:
         }
         heap = [self._offer(a, b) for a, b in sorted(ends)]
         heapq.heapify(heap)
-        while alive > most and heap:
+        while self.alive > most and heap:
             _, gone, kept, stamp_gone, stamp_kept = heapq.heappop(heap)
-            fresh = self.stamp[gone] == stamp_gone and self.stamp[kept] == stamp_kept
-            if not fresh or not self._may(gone, kept):
+            if self.stamp[gone] != stamp_gone or self.stamp[kept] != stamp_kept:
                 continue
-            alive -= self._move(gone, kept)
+            if in_order and not self._may(gone, kept):
+                continue
+            self._move(gone, kept)
             for other in sorted(self._neighbours(kept)):
                 heapq.heappush(heap, self._offer(kept, other))
-        left = np.array([face for face in self.faces if face], dtype=np.int64).reshape(-1, 3)
-        return np.asarray(self.points[left])
 
     def _offer(self, a: int, b: int) -> tuple[float, int, int, int, int]:
         """Return what it costs to collapse an edge onto its cheaper end, and which that is."""
-        quadric = self.quadrics[a] + self.quadrics[b]
-        costs = []
-        for place in (a, b):
-            x = np.append(self.points[place], 1.0)
-            costs.append(float(x @ quadric @ x))
-        length = float(((self.points[a] - self.points[b]) ** 2).sum())
-        gone, kept = (b, a) if costs[0] <= costs[1] else (a, b)
-        cost = max(min(costs), 0.0) + 1e-9 * length  # of flat ones the short go first
-        return cost, gone, kept, int(self.stamp[gone]), int(self.stamp[kept])
+        quadric = [p + q for p, q in zip(self.quadrics[a], self.quadrics[b], strict=True)]
+        one, two = _cost(quadric, self.points[a]), _cost(quadric, self.points[b])
+        (ax, ay, az), (bx, by, bz) = self.points[a], self.points[b]
+        length = (ax - bx) ** 2 + (ay - by) ** 2 + (az - bz) ** 2
+        gone, kept = (b, a) if one <= two else (a, b)
+        cost = max(min(one, two), 0.0) + 1e-9 * length  # of flat ones the short go first
+        return cost, gone, kept, self.stamp[gone], self.stamp[kept]
 
     def _neighbours(self, corner: int) -> set[int]:
         return {c for number in self.around[corner] for c in self.faces[number] or ()} - {corner}
@@ -124,23 +135,22 @@ class _Collapse:
             face = self.faces[number]
             if not face or kept in face:
                 continue
-            before = self.points[face]
-            after = self.points[[kept if c == gone else c for c in face]]
-            one = np.cross(before[1] - before[0], before[2] - before[0])
-            two = np.cross(after[1] - after[0], after[2] - after[0])
-            if one @ two < TURNED * np.sqrt((one @ one) * (two @ two)) or not two @ two > 0.0:
+            before = [self.points[c] for c in face]
+            after = [self.points[kept if c == gone else c] for c in face]
+            (ax, ay, az), (bx, by, bz) = _upright(before), _upright(after)
+            size = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)
+            if not size > 0.0 or ax * bx + ay * by + az * bz < TURNED * size**0.5:
                 return False
         return True
 
-    def _move(self, gone: int, kept: int) -> int:
-        """Collapse; return how many faces went."""
-        went = 0
+    def _move(self, gone: int, kept: int) -> None:
+        """Collapse an edge."""
         for number in self.around[gone]:
             face = self.faces[number]
             assert face is not None
             if kept in face:
                 self.faces[number] = None
-                went += 1
+                self.alive -= 1
                 for corner in face:
                     if corner != gone:
                         self.around[corner].discard(number)
@@ -148,10 +158,26 @@ class _Collapse:
                 self.faces[number] = [kept if c == gone else c for c in face]
                 self.around[kept].add(number)
         self.around[gone] = set()
-        self.quadrics[kept] += self.quadrics[gone]
+        both = zip(self.quadrics[kept], self.quadrics[gone], strict=True)
+        self.quadrics[kept] = [p + q for p, q in both]
         self.stamp[gone] += 1
         self.stamp[kept] += 1
-        return went
+
+
+def _cost(q: list[float], point: Point) -> float:
+    """Return the squared distance from the planes of a quadric, weighed."""
+    x, y, z = point
+    return (
+        q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
+        + 2.0 * (x * (q[1] * y + q[2] * z + q[3]) + y * (q[5] * z + q[6]) + q[8] * z)
+    )  # fmt: skip
+
+
+def _upright(corners: list[Point]) -> Point:
+    """Return the cross product of two sides of a face."""
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = corners
+    ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
 def _quadrics(points: Floats, faces: Indices) -> Floats:
