@@ -19,8 +19,8 @@ from models.spacecraft.own.welded import Welded, welded
 LARGE_M, SMALL_M = 110.0, 0.05  # the largest station, a picosatellite
 MANY_FACES, MANY_PARTS = 1_000_000, 200
 OFF_HULL_SHARE = 1e-6  # of the size
-GUESSED = ("m", "mm", "cm", "in")  # in this order: the first that gives a spacecraft's size
-LIKELY_M = (0.3, 60.0)  # the size of a spacecraft
+LIKELY_M = (0.3, 60.0)  # the size of a spacecraft, if its mesh is in metres; if not, the first
+GUESSED = ("mm", "m", "cm", "in")  # of these that gives a possible size
 
 
 @dataclass(frozen=True)
@@ -119,9 +119,10 @@ def guessed_unit(mesh: MeshFile) -> str:
         return "m"
     largest = float(size_of(mesh).max())
     low, high = LIKELY_M
-    likely = [unit for unit in GUESSED if low <= UNITS_M[unit] * largest <= high]
-    wide = [unit for unit in GUESSED if SMALL_M <= UNITS_M[unit] * largest <= LARGE_M]
-    return [*likely, *wide, "m"][0]
+    if low <= largest <= high:
+        return "m"
+    possible = [unit for unit in GUESSED if SMALL_M <= UNITS_M[unit] * largest <= LARGE_M]
+    return [*possible, "m"][0]
 
 
 def faults_of(

@@ -27,6 +27,7 @@ DIRECTIONS = 64  # from which
 FINE_FACES = 3000  # of the surface that hides them then
 SEEN_FROM = 0.08  # of them, at least, to be worth knowing
 APART_SHARE = 0.03  # of the radius: corners nearer than this are one
+LEAST_CORNER_SHARE = 0.1  # of the radius: what edges a corner must have at least, all in all
 LEAST_EDGE_SHARE = 0.06  # of the radius: an edge shorter than this is no edge to look for
 ENOUGH_CORNERS, ENOUGH_EDGES = 8, 8  # as a box has, about
 LEAST_CORNERS = 4  # with fewer,
@@ -102,11 +103,13 @@ def _sharp_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> Foun
     body = welded(triangles)
     lines = sharp_edges(body, wish.sharp_deg)
     corners, sizes = corners_of(body.points, lines)
+    radius = float(np.linalg.norm(triangles.reshape(-1, 3), axis=1).max())
+    large = sizes >= LEAST_CORNER_SHARE * radius
+    corners, sizes = corners[large], sizes[large]
     order = np.lexsort((corners, -sizes))[:MOST_TRIED]
     corners, sizes = corners[order], sizes[order]
     seen = _seen(body.points[corners], hiding)
     corners, sizes = corners[seen], sizes[seen]
-    radius = float(np.linalg.norm(triangles.reshape(-1, 3), axis=1).max())
     stands_for = _merged(body.points[corners], APART_SHARE * radius, wish.most_landmarks)
     number = {int(c): int(k) for c, k in zip(corners, stands_for, strict=True) if k >= 0}
     kept = np.flatnonzero(stands_for == np.arange(len(corners)))

@@ -8,12 +8,15 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import trimesh
 
 from bench.cli import main
 from bench.inspecting.inspection import inspect_file, start_name
 from bench.inspecting.start_text import target_text
 from models.spacecraft.own.build import read_own_target
 from models.spacecraft.own.description import description_of
+from models.spacecraft.own.faults import guessed_unit
+from models.spacecraft.own.mesh_file import read_mesh_file
 from tests.support.own_meshes import (
     broken_ply,
     gltf_tree,
@@ -120,3 +123,12 @@ def test_a_new_target_reads_with_and_without_its_comments(uncommented: bool) -> 
         assert set(tomllib.loads("\n".join(lines))) >= {"axes", "parts", "materials", "wireframe"}
         assert described.part_materials["bus"] == "mli_gold"
         np.testing.assert_array_equal(described.rotation, np.eye(3))
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1.0, "m"), (1e3, "mm"), (100.0, "mm"), (0.02, "m")])
+def test_a_unit_is_guessed_from_the_size(tmp_path: Path, scale: float, unit: str) -> None:
+    mesh = millimetre_stl(tmp_path / "a.stl")
+    whole = trimesh.load(mesh)
+    whole.apply_scale(1e-3 * scale)
+    whole.export(mesh)
+    assert guessed_unit(read_mesh_file(mesh)) == unit
