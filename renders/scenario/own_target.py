@@ -34,11 +34,11 @@ class OwnTargetTable(Table):
     Not to be typed: name the file. `docs/formats.md` has its keys.
     """
 
-    folder: Annotated[str, Field(max_length=MOST_PATH)] = Field(
-        description="where its mesh lies; shapes nothing"
+    file: Annotated[str, Field(max_length=MOST_PATH)] = Field(
+        description="where it was read, beside its mesh; the place shapes nothing"
     )
-    mesh_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] = Field(
-        description="of the mesh, and of the files that it names"
+    files_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] = Field(
+        description="of the mesh, and of the files that either names"
     )
     lines: Annotated[
         tuple[Annotated[str, Field(max_length=MOST_LINE)], ...],
@@ -61,24 +61,19 @@ class OwnTargetTable(Table):
         from models.spacecraft.own.build import own_target
 
         try:
-            built = own_target(self.lines, f"{where}: own_target", Path(self.folder))
+            built = own_target(self.lines, self.file, Path(self.file).parent)
         except DatasetError as error:
             raise ScenarioError(str(error)) from error
-        if built.mesh_sha256 != self.mesh_sha256:
+        if built.files_sha256 != self.files_sha256:
             raise ScenarioError(
                 f"{where}: expected the mesh {built.description.mesh_path} as it "
-                f"was, of hash {self.mesh_sha256[:12]}, got one of {built.mesh_sha256[:12]}; put "
-                "the old one back, or render into another folder"
+                f"was, and what lies beside it, of hash {self.files_sha256[:12]}, got "
+                f"{built.files_sha256[:12]}; put the old files back, or render into another folder"
             )
         return built
 
-    def has_markers(self, where: str) -> bool:
+    def has_markers(self) -> bool:
         """Tell whether it has markers, without its mesh.
-
-        Parameters
-        ----------
-        where : str
-            For messages.
 
         Raises
         ------
@@ -88,7 +83,7 @@ class OwnTargetTable(Table):
         from models.spacecraft.own.description import description_of
 
         try:
-            return description_of(self.lines, where, Path(self.folder)).markers is not None
+            return description_of(self.lines, self.file, Path(self.file).parent).markers is not None
         except DatasetError as error:
             raise ScenarioError(str(error)) from error
 
@@ -124,15 +119,16 @@ def with_own_target_read(table: dict[str, Any], path: Path) -> None:
     from models.spacecraft.own.build import read_own_target
     from models.spacecraft.own.description import read_lines_of
 
-    file = path.parent / target
+    named = path.parent / target
+    file = named.parent.resolve() / named.name
     try:
         lines, own = read_lines_of(file), read_own_target(file)
     except DatasetError as error:
         raise ScenarioError(str(error)) from error
     table["target"] = own.description.name
     table["own_target"] = {
-        "folder": str(file.parent.resolve()),
-        "mesh_sha256": own.mesh_sha256,
+        "file": str(file),
+        "files_sha256": own.files_sha256,
         "lines": list(lines),
     }
     tumble = table.get("tumble")
@@ -157,7 +153,7 @@ def target_has_markers(scenario: Scenario) -> bool:
     """Tell whether the target itself has markers; of one's own its mesh is not opened for it."""
     if scenario.own_target is None:
         return spacecraft_by_name(scenario.target).markers is not None
-    return scenario.own_target.has_markers(scenario.name)
+    return scenario.own_target.has_markers()
 
 
 def wireframe_of(scenario: Scenario) -> Wireframe:

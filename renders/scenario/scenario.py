@@ -79,7 +79,7 @@ SHAPING_NOTHING: dict[str, bool | set[str]] = {
     "description": True,
     "limits": True,
     "asked": True,
-    "own_target": {"folder"},
+    "own_target": {"file"},
 }
 """Prose, what is asked, and where a mesh lies."""
 

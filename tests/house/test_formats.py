@@ -80,7 +80,7 @@ def test_the_spacecraft_is_read_with_every_key(folders):
     assert set(table) == {"name", "mesh", *KEYS}
     assert set(table["wireframe"]) == set(WIREFRAME_KEYS) - {"file"}
     assert described.unit_m == 0.001
-    assert described.markers is not None
+    assert described.markers == "markers.toml"
     assert described.materials["my_paint"].diffuse.bands == (0.80, 0.81, 0.79)
     assert described.wireframe.edges == (("antenna_foot", "antenna_tip"),)
 

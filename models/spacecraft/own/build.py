@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -12,8 +13,10 @@ from types import MappingProxyType
 import numpy as np
 
 from models.arrays import Floats, Mask
+from models.dataset.marker_file import read_markers
 from models.errors import DatasetError, ScenarioError
 from models.materials import Material
+from models.reading.regular_file import read_bytes
 from models.spacecraft.own.description import (
     DEFAULT_MATERIAL,
     OwnDescription,
@@ -29,9 +32,10 @@ from models.spacecraft.own.welded import Welded, welded
 from models.spacecraft.own_markers import with_own_markers
 from models.spacecraft.part import Part, Spacecraft
 from models.wireframe.wireframe import Wireframe
-from models.wireframe.wireframe_file import read_wireframe
+from models.wireframe.wireframe_file import MOST_BYTES, read_wireframe
 
 MOST_PART_NAMES = 200  # labels of an image have eight bits, and the bench has names of its own
+OF_THE_BENCH = ("retroreflectors", "chaser")
 ONE_NAME = "body"  # of a mesh whose file has no names
 LARGEST_M, SMALLEST_M = 1000.0, 0.001  # from corner to corner of its box
 
@@ -51,8 +55,8 @@ class OwnTarget:
     mass_kg : float
     inertia_kg_m2 : (3, 3) array, kg m2
         About the centre of mass, target axes.
-    mesh_sha256 : str
-        Of the mesh file and of those that it names.
+    files_sha256 : str
+        Of the mesh, of the files that it names, and of those that the TOML names beside it.
     """
 
     description: OwnDescription
@@ -61,7 +65,7 @@ class OwnTarget:
     wireframe_fault: str
     mass_kg: float
     inertia_kg_m2: Floats
-    mesh_sha256: str
+    files_sha256: str
 
     @property
     def known_wireframe(self) -> Wireframe:
@@ -139,8 +143,11 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
     craft = Spacecraft(
         described.name, parts, None, placed.centre_of_mass, MappingProxyType(materials)
     )
-    if described.markers is not None:
-        craft = with_own_markers(craft, described.markers)
+    markers = described.markers
+    if isinstance(markers, str):
+        markers = read_markers(folder / markers)
+    if markers is not None:
+        craft = with_own_markers(craft, markers)
     wireframe, fault = _wireframe(described, placed)
     return OwnTarget(
         description=described,
@@ -149,8 +156,16 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
         wireframe_fault=fault,
         mass_kg=placed.mass_kg,
         inertia_kg_m2=placed.inertia_kg_m2,
-        mesh_sha256=mesh.sha256,
+        files_sha256=_files_sha256(described, mesh),
     )
+
+
+def _files_sha256(described: OwnDescription, mesh: MeshFile) -> str:
+    digest = hashlib.sha256(mesh.sha256.encode())
+    for name in (described.markers, described.wireframe.file):
+        if isinstance(name, str):
+            digest.update(read_bytes(described.folder / name, MOST_BYTES))
+    return digest.hexdigest()
 
 
 def place(described: OwnDescription, mesh: MeshFile) -> PlacedMesh:
@@ -204,7 +219,9 @@ def part_names(mesh: MeshFile) -> tuple[str, ...]:
     Exporters number the pieces of one mesh, and leave single ones without a name; of thousands of
     names only the first words are kept, so that at most two hundred parts are left.
     """
-    names = [piece.name for piece in mesh.pieces]
+    names = [
+        f"{piece.name}_" if piece.name in OF_THE_BENCH else piece.name for piece in mesh.pieces
+    ]
     if len(set(names)) == 1 and names[0].startswith("geometry_"):
         return (ONE_NAME,) * len(names)
     if len(set(names)) <= MOST_PART_NAMES:

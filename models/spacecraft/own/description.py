@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from models.arrays import Floats
-from models.dataset.marker_file import markers_of, read_markers
+from models.dataset.marker_file import markers_of
 from models.errors import DatasetError, UnreadableError
 from models.markers import MarkerPattern
 from models.materials import MATERIALS, BandReflectance, Material
@@ -117,7 +117,8 @@ class OwnDescription:
     smooth_deg : float, deg
         Faces that meet at less are shaded as one curved surface; 0: none are.
     wireframe : WireframeWish
-    markers : MarkerPattern or None
+    markers : MarkerPattern, str or None
+        A markers.toml beside the TOML where it is text.
     """
 
     where: str
@@ -135,7 +136,7 @@ class OwnDescription:
     materials: Mapping[str, Material]
     smooth_deg: float
     wireframe: WireframeWish
-    markers: MarkerPattern | None
+    markers: MarkerPattern | str | None
 
     @property
     def mesh_path(self) -> Path:
@@ -203,7 +204,7 @@ def _description(fields: Fields, where: str, folder: Path) -> OwnDescription:
         materials=own,
         smooth_deg=fields.number("smooth_deg", 0.0, 90.0) if "smooth_deg" in fields else 30.0,
         wireframe=_wish(fields),
-        markers=_markers(fields, folder),
+        markers=_markers(fields),
     )
 
 
@@ -376,9 +377,9 @@ def _edges(table: Fields, landmarks: Mapping[str, Floats]) -> tuple[tuple[str, s
     return tuple(edges)
 
 
-def _markers(fields: Fields, folder: Path) -> MarkerPattern | None:
+def _markers(fields: Fields) -> MarkerPattern | str | None:
     if "markers" not in fields:
         return None
     if isinstance(fields.value("markers"), str):
-        return read_markers(folder / _file(fields, "markers", (".toml",)))
+        return _file(fields, "markers", (".toml",))
     return markers_of(fields.table("markers"))

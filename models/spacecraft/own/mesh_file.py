@@ -108,8 +108,10 @@ def read_mesh_file(path: Path) -> MeshFile:
             path, f"expected a mesh file, {', '.join(SUFFIXES)}, got {suffix or 'no suffix'}"
         )
     data, neighbours = _read(path), Neighbours(path)
-    notes = _check(suffix, data, neighbours)
+    notes, has_textures = _check(suffix, data, neighbours)
     pieces = tuple(_pieces(path, _scene(suffix, data, neighbours)))
+    if has_textures and not any(piece.look.said == "texture" for piece in pieces):
+        notes += ("textures: none could be read, and base colours stand; export them as PNG",)
     if not pieces:
         raise UnreadableError(path, "expected at least one face, got none")
     digest = hashlib.sha256(data)
@@ -128,18 +130,18 @@ def _read(path: Path) -> bytes:
     return read_bytes(path, MOST_MESH_BYTES)
 
 
-def _check(suffix: str, data: bytes, neighbours: Neighbours) -> tuple[str, ...]:
-    """Hold a file's claims against its bytes; return what of it is left out."""
+def _check(suffix: str, data: bytes, neighbours: Neighbours) -> tuple[tuple[str, ...], bool]:
+    """Hold a file's claims against its bytes; tell what is left out, and whether it has images."""
     if suffix == ".glb":
         tree, binary = glb_tree(neighbours.mesh, data)
         check_gltf(tree, binary, neighbours)
-        return _left_out(tree)
+        return _left_out(tree), bool(tree.get("images"))
     if suffix == ".gltf":
         tree = gltf_tree(neighbours.mesh, data)
         check_gltf(tree, 0, neighbours)
-        return _left_out(tree)
+        return _left_out(tree), bool(tree.get("images"))
     {".obj": check_obj, ".stl": check_stl, ".ply": check_ply}[suffix](neighbours.mesh, data)
-    return ()
+    return (), False
 
 
 def _left_out(tree: dict[str, Any]) -> tuple[str, ...]:
@@ -239,8 +241,19 @@ def _pieces(path: Path, scene: Any) -> Iterator[Piece]:
                 raise UnreadableError(
                     path, f"expected textures of at most {MOST_IMAGES_PX} px in all, got more"
                 )
-            looks[name] = look_of(mesh)
+            looks[name] = _look(path, mesh)
         yield Piece(_plain(str(name)), vertices, faces, looks[name])
+
+
+def _look(path: Path, mesh: Any) -> Look:
+    try:
+        return look_of(mesh)
+    except Exception as error:  # whatever Pillow raises on bytes that are no picture
+        raise UnreadableError(
+            path,
+            f"expected textures that Pillow can read, got: {type(error).__name__} "
+            f"{shown_line(str(error))}; export them as PNG or JPEG",
+        ) from error
 
 
 def _texture_px(path: Path, mesh: Any) -> int:

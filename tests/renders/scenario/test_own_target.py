@@ -140,3 +140,25 @@ def test_a_target_is_told_once(case: Path) -> None:
 def test_a_file_beside_a_preset_changes_nothing() -> None:
     assert Scenario(**tumble_table()).own_target is None
     assert "own_target" not in Scenario(**tumble_table()).to_toml()
+
+
+def test_a_file_of_markers_is_known_by_its_hash_too(case: Path) -> None:
+    row = "[[marker]]\nname = '{}'\npoint_in_target_m = {}\nnormal_in_target = [0.0, 0.0, 1.0]\n"
+    places = ([0.5, 0.3, 0.9], [0.5, -0.3, 0.9], [-0.1, 0.0, 0.9])
+    rows = "".join(row.format(k, place) for k, place in enumerate(places))
+    markers = case.parent / "craft" / "markers.toml"
+    markers.write_text("radius_m = 0.01\n" + rows)
+    mesh = case.parent / "craft" / "boxsat.glb"
+    toml_of(mesh, 'origin = "mesh"', 'markers = "markers.toml"')
+    plain = tumble_table(target="craft/boxsat.toml", tumble=None)
+    plain = {key: value for key, value in plain.items() if key not in ("tumble", "motion")}
+    plain |= {"exposure": {"mode": "fixed", "exposure_ms": 4.0}, "camera": {"width": 64}}
+    case.write_text(tomli_w.dumps(plain))
+    before = read_scenario(case)
+    assert world_of(before).target.markers is not None
+    markers.write_text("radius_m = 0.02\n" + rows)
+    own_target.cache_clear()
+    assert read_scenario(case).fingerprint() != before.fingerprint()
+    shutil.rmtree(case.parent / "craft")
+    assert before.own_target is not None
+    assert before.own_target.has_markers()

@@ -1,11 +1,13 @@
 """Mesh files that lie, lead astray or would fill the memory: each refused, at once, in a line."""
 
+import io
 import os
 import struct
 import time
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from models.errors import DatasetError
 from models.reading.meshes import bounds
@@ -199,3 +201,27 @@ def test_a_decompression_bomb_of_a_texture_is_not_decoded(tmp_path, monkeypatch)
     monkeypatch.setattr("models.spacecraft.own.mesh_file.MOST_IMAGE_SIDE_PX", 4)
     assert "px a side" in refused(path)
     assert bounds.MOST_IMAGES_PX <= 200_000_000
+
+
+def test_a_texture_that_is_cut_off_is_one_message(tmp_path):
+    out = io.BytesIO()
+    noise = np.random.default_rng(1).integers(0, 255, (64, 64, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(out, "PNG")
+    (tmp_path / "a.png").write_bytes(out.getvalue()[:2000])
+    (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd a.png\n")
+    path = tmp_path / "a.obj"
+    path.write_text("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n")
+    assert "Pillow" in refused(path)
+
+
+def test_textures_of_another_kind_are_told_to_be_left_out(tmp_path):
+    (tmp_path / "a.png").write_bytes(b"no picture at all")
+    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+    tree = gltf_tree(
+        images=[{"uri": "a.png"}],
+        textures=[{"source": 0}],
+        materials=[material],
+        meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    )
+    mesh = read_mesh_file(write_gltf(tmp_path / "a.gltf", tree))
+    assert any("textures" in note for note in mesh.notes)
