@@ -37,6 +37,7 @@ from renders.store.kept_light import checked_budget, keeping
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant
+from renders.world.bounced_choice import told
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
 from renders.world.told import markers_are_told_otherwise
@@ -111,7 +112,8 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     console.print(
         f"{world.scenario.name}, Sun {world.scenario.sun.default}: {info.frames} {frames} at "
         f"{world.camera.width} x {world.camera.height}, {variant}; "
-        f"{len(there)} of {len(world.exposures)} exposures are there already",
+        f"{len(there)} of {len(world.exposures)} exposures are there already; "
+        f"{told(keys.seen_from, len(world.suns))}",
         soft_wrap=True,
         markup=False,
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -82,6 +82,7 @@ class WithSunAt:
 
     turning: Turning
     sun_dir_in_target: tuple[float, float, float]
+    suns_stand_still: ClassVar[bool] = False
 
     def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
         """Return it as told."""

@@ -18,14 +18,20 @@ from renders.batches.replay import read_groups
 from renders.store.kept_light import ALL_LIGHT, LightKeeping
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, as_half
-from renders.tracing.light_groups import LightGroup
+from renders.tracing.light_groups import LightGroup, SunGroup
 from renders.truth.makers import SealedRecord
 from renders.variant.choice import activate
 from renders.world.exposure import Exposure
+from renders.world.noise_limits import noise_limits
 from renders.world.world import World
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
+    from renders.tracing.bounced.bounced_light import BouncedLight
+    from renders.tracing.bounced.field import BouncedFields, LandedLight
+    from renders.tracing.bounced.photons import Landed
     from renders.truth.pixel_truth import PixelTruth
+
+BOUNCED_SEED = 0xB0
 
 
 @dataclass(eq=False)
@@ -40,6 +46,9 @@ class Studio:
     geometry: Any = None
     placed_cam_from_target: RigidTransform | None = None
     kept: LightKeeping = ALL_LIGHT
+    bounced: BouncedLight | None = None
+    _landed: dict[SunGroup, LandedLight] = field(default_factory=dict, init=False)
+    """Bounced light that was traced or read, by its Sun."""
     _filled: tuple[RigidTransform, Mask | None] | None = field(default=None, init=False)
     """A pose, and the pixels that spacecraft can fill from there."""
 
@@ -132,9 +141,50 @@ class Studio:
                 marker_samples=render.marker_samples,
                 max_depth=render.max_depth,
                 seed=self.world.render_seed(exposure.frame),
+                noise=noise_limits(self.world, exposure, groups, self.keys.prior),
+                fields=self._fields(exposure, cam_from_target, groups),
             ),
             in_view,
         )
+
+    def _fields(
+        self, exposure: Exposure, cam_from_target: RigidTransform, groups: Sequence[LightGroup]
+    ) -> BouncedFields:
+        """Return where bounced light of some groups is looked up at an exposure."""
+        from renders.tracing.bounced.bounced_light import BouncedLight
+        from renders.tracing.bounced.field import NO_FIELDS
+
+        suns = [g for g in groups if isinstance(g, SunGroup) and self.keys.looks_up(g)]
+        if not suns or self.keys.seen_from is None:
+            return NO_FIELDS
+        render = self.world.scenario.render
+        if self.bounced is None:
+            poses, depth = self.keys.seen_from, render.max_depth
+            self.bounced = BouncedLight.around(self.geometry, self.world.camera, poses, depth)
+        lights = {}
+        for sun in suns:
+            if sun not in self._landed:
+                self._landed[sun] = self.bounced.loaded(self._bounced_light(sun))
+            lights[sun.name] = self._landed[sun]
+        seed = self.world.render_seed(exposure.frame)
+        return self.bounced.with_chaser(
+            lights, self.scene, cam_from_target, suns, render.paths, seed
+        )
+
+    def _bounced_light(self, sun: SunGroup) -> Landed:
+        """Take a Sun's bounced light from the store, or trace it."""
+        from renders.tracing.bounced.photons import Landed
+
+        key, render = self.keys.bounced(sun), self.world.scenario.render
+        there = self.store.read_channels(key)
+        if there is not None and set(there) == set(Landed.CHANNELS):
+            return Landed.of_channels(there)
+        assert self.bounced is not None
+        seed = int(np.random.SeedSequence([render.seed, BOUNCED_SEED]).generate_state(1)[0])
+        landed = self.bounced.landed(sun, render.paths, seed)
+        if self.kept.uses_store:
+            self.store.write_channels(key, landed.channels())
+        return landed
 
     def sealed(self, exposure: Exposure, cam_from_target: RigidTransform) -> SealedRecord:
         """Return the sealed record of an exposure."""

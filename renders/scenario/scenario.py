@@ -87,7 +87,29 @@ SHAPING_NOTHING: dict[str, bool | set[str]] = {
 class RenderTable(Table):
     """How light is traced."""
 
-    samples: int = Field(16, ge=1, le=4096, description="per pixel; best a power of two")
+    samples: int = Field(
+        16,
+        ge=1,
+        le=4096,
+        description="per pixel; best a power of two",
+    )
+    noise: float | None = Field(
+        None,
+        ge=0.05,
+        le=100,
+        description="of the light, in units of the detector's own, to which each pixel is sampled",
+    )
+    bounced: Literal["auto", "looked_up", "traced"] = Field(
+        "auto",
+        description="sunlight that met a surface before: traced once for all exposures and looked "
+        "up, or traced in each; auto: looked up with noise typed, where that saves time",
+    )
+    paths: int = Field(
+        2**23,
+        ge=1000,
+        le=2**28,
+        description="of sunlight that are followed once for each Sun where it is looked up",
+    )
     marker_samples: int = Field(
         4096, ge=1, le=65_536, description="per pixel in the marker windows"
     )

@@ -12,10 +12,12 @@ from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from renders.store.radiance_store import entry_key
 from renders.tracing.light_groups import LightGroup
+from renders.world.bounced_choice import seen_from
 from renders.world.exposure import Exposure
+from renders.world.noise_limits import noise_limits
 from renders.world.world import World
 
-PHYSICS_VERSION = 6  # raise it when the same scenario gives other light
+PHYSICS_VERSION = 7  # raise it when the same scenario gives other light
 
 
 def spacecraft_hash(spacecraft: Spacecraft) -> str:
@@ -46,7 +48,8 @@ class LightKeys:
     def __init__(self, world: World, family: str) -> None:
         self.world = world
         render = world.scenario.render.model_dump()
-        render.pop("seed")
+        for name in ("seed", "noise", "bounced", "paths"):
+            render.pop(name)  # what they make of a group's light is in its own key
         self.common: dict[str, Any] = {
             "physics": PHYSICS_VERSION,
             "family": family,
@@ -56,6 +59,8 @@ class LightKeys:
             "camera": asdict(world.camera),
             "render": render,
         }
+        self.seen_from = seen_from(world, family == "jit")
+        self.prior = world.onboard(0).prior
 
     def _placed(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, Any]:
         return {
@@ -75,7 +80,31 @@ class LightKeys:
         group : LightGroup
         """
         kind = {"kind": type(group).__name__, "group": asdict(group)}
-        return entry_key({**self._placed(exposure, cam_from_target), **kind})
+        limits = noise_limits(self.world, exposure, [group], self.prior)
+        noise = None if limits is None else asdict(limits[group.name])
+        bounced = self.bounced(group) if self.looks_up(group) else None
+        made = {"noise": noise, "bounced": bounced}
+        return entry_key({**self._placed(exposure, cam_from_target), **kind, **made})
+
+    def looks_up(self, group: LightGroup) -> bool:
+        """Whether a group's bounced light is looked up: a Sun's that stands as it was typed."""
+        return self.seen_from is not None and group in self.world.suns
+
+    def bounced(self, group: LightGroup) -> str:
+        """Return the key of a Sun's bounced light, traced once for all exposures."""
+        render = self.world.scenario.render
+        return entry_key(
+            {
+                **{name: self.common[name] for name in ("physics", "family", "target", "optics")},
+                "kind": "bounced",
+                "camera": self.common["camera"],
+                "poses": [pose.matrix().tolist() for pose in self.seen_from or ()],
+                "max_depth": render.max_depth,
+                "paths": render.paths,
+                "seed": render.seed,
+                "group": asdict(group),
+            }
+        )
 
     def geometry(self, exposure: Exposure, cam_from_target: RigidTransform) -> str:
         """Return the key of labels, depth and normals in one exposure."""

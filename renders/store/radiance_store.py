@@ -190,6 +190,22 @@ class RadianceStore:
     def _write(self, key: str, radiance: Radiance) -> None:
         write_exr(self.path(key), {"Y": as_half(radiance)}, {KEY: key})
 
+    def write_channels(self, key: str, channels: Mapping[str, AnyArray]) -> None:
+        """Write an entry of several channels, as they are, and keep the store within its budget.
+
+        Parameters
+        ----------
+        key : str
+        channels : mapping of str to (height, width) float16, float32 or uint32 arrays
+
+        Raises
+        ------
+        StorageError
+            If the disk is full or read-only, or the budget cannot hold what this run needs.
+        """
+        write_exr(self.path(key), channels, {KEY: key})
+        self.room.wrote(_size(self.path(key)))
+
     def lend(self, key: str, place: Path) -> bool:
         """Put an entry at ``place`` too, as a link where the two share a disk.
 

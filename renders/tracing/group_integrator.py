@@ -23,14 +23,15 @@ import numpy as np
 from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
+from renders.tracing.bounced.field import NO_FIELDS, BouncedFields
 from renders.tracing.camera_plugin import ray_direction_in_cam
 from renders.tracing.kernel_lights import light_of
+from renders.tracing.leaving import leaving
 from renders.tracing.light_groups import LightGroup
 from renders.tracing.sample_sequence import points_2d
 from renders.tracing.surface_table import SurfaceTable
 
 PAIRS_PER_VERTEX = 3  # of random dimensions: place on a disc, choice of LED, lobe
-START_PER_M = 2e-6  # a hit's place is exact to some 2e-7 of its largest coordinate
 MOST_LANES = 16  # of a pixel, as many as a wide packet; more samples are walked in turns
 ADDED_LANES = 8  # in the kernel: one packet's or two's, whose sum does not depend on their order
 FAINT = 0.3  # of what a light's samples brought so far: what adds less is left to chance
@@ -43,23 +44,13 @@ def power_share(one: Any, other: Any) -> Any:
     return 1.0 / (1.0 + ratio * ratio)
 
 
-def leaving(place: Any, normal: Any, direction: Any) -> Any:
-    """Return the ray that leaves a surface, from as near to it as 32 bits allow.
-
-    Mitsuba's own ``spawn_ray`` starts 45 times farther off, 0.4 mm at 4 m from the origin, and so
-    loses the shadows of what is thin: gaps between solar cells, tabs, blankets' edges. Cycles
-    showed it: cells 2.5 % too bright under S2, 60 % under the grazing S3.
-
-    Parameters
-    ----------
-    place : Point3f, m
-        On the surface, target frame.
-    normal : Vector3f
-        Unit, on the side that the ray leaves to.
-    direction : Vector3f
-        Unit.
-    """
-    return mi.Ray3f(place + normal * (START_PER_M * (1.0 + dr.max(dr.abs(place)))), direction)
+def _others_want(lights: Any, fields: Any, limits: Any, index: Any) -> Any:
+    """Tell whether lights whose bounced light is not looked up want a sample."""
+    others = [n for n, light in enumerate(lights) if light.name not in fields.names]
+    wanted = mi.Bool(bool(others) and not limits)
+    for number in others if limits else ():
+        wanted |= index < limits[number]
+    return wanted
 
 
 @dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
@@ -69,16 +60,27 @@ def _trace(
     bands: Any,
     ray_of: Any,
     lights: Any,
+    fields: Any,
     pixels: Any,
     first: Any,
     last: Any,
+    limits: Any,
+    moments: Any,
     width: Any,
     max_depth: Any,
     segments: Any,
     key: Any,
 ) -> Any:
-    """Return a list of radiance sums, one array over the pixels for each light."""
+    """Return lists, one array over the lanes for each light: sums of radiance, and its moments.
+
+    Where there are limits each light ends at its own number of samples. Where there are
+    ``moments`` they are summed too: first and second of the light that came straight, second of
+    all other.
+    """
     sums = [dr.zeros(mi.Float, dr.width(pixels)) for _ in lights]
+    straight = [dr.zeros(mi.Float, dr.width(pixels)) for _ in moments]
+    straight_squared = [dr.zeros(mi.Float, dr.width(pixels)) for _ in moments]
+    bounced_squared = [dr.zeros(mi.Float, dr.width(pixels)) for _ in moments]
     column = mi.Float(pixels % width)
     row = mi.Float(pixels // width)
     index = mi.UInt32(first)
@@ -88,8 +90,12 @@ def _trace(
         throughput = {band: mi.Float(1.0) for band in bands}
         depth = mi.UInt32(0)
         active = mi.Bool(True)
+        served = mi.Bool(False)  # bounced light was looked up: its lights are done on this path
         ray_density = mi.Float(dr.inf)  # of its direction; the camera's rays are certain
         faint = FAINT / mi.Float(index - first + 1)
+        others_go_on = _others_want(lights, fields, limits, index)
+        before = [mi.Float(each) for each in sums]
+        after_first = [mi.Float(each) for each in sums]
         while active:
             si = scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, depth == 0, active)
             escaped = active & ~si.is_valid()
@@ -99,6 +105,11 @@ def _trace(
             disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))
             choice = points_2d(index, key, pair + 1)
             for number, light in enumerate(lights):
+                wanted = mi.Bool(active)
+                if dr.hint(len(limits) > 0, mode="scalar"):
+                    wanted &= index < limits[number]
+                if dr.hint(light.name in fields.names, mode="scalar"):
+                    wanted &= ~served
                 if dr.hint(light.wide, mode="scalar"):
                     arrived = throughput[light.channel] * light.radiance(ray.d)
                     arrived *= power_share(ray_density, light.density)
@@ -109,13 +120,27 @@ def _trace(
                 if dr.hint(light.wide, mode="scalar"):
                     share *= power_share(light.density, surface.density(towards))
                 least = faint * sums[number]
-                facing = surface.faces(towards) & (share > choice.y * least)
+                facing = wanted & surface.faces(towards) & (share > choice.y * least)
                 shadow = leaving(si.p, surface.normal, towards)
                 shadow.maxt = distance * (1.0 - 1e-4)
                 dark = scene.ray_test(shadow, depth == 0, facing)
                 sums[number] += dr.select(facing & ~dark, dr.maximum(share, least), 0.0)
+            for number in range(len(moments)):
+                after_first[number] = dr.select(depth == 0, sums[number], after_first[number])
+            if dr.hint(len(fields.names) > 0, mode="scalar"):
+                looks = active & ~served & surface.is_rough & (depth + 1 < max_depth)
+                found, brought = fields.looked_up(
+                    si.p, si.shape, surface, index, key, depth, looks, lights
+                )
+                for number, light in enumerate(lights):
+                    if dr.hint(light.name in fields.names, mode="scalar"):
+                        bounced = throughput[light.channel] * brought[light.name]
+                        sums[number] += dr.select(found, bounced, 0.0)
+                served |= found
             depth += 1
             active &= (depth < segments) & surface.reflects
+            if dr.hint(len(fields.names) > 0, mode="scalar"):
+                active &= ~served | others_go_on
             direction, ray_density, weights = surface.sample(points_2d(index, key, pair + 2))
             carried = mi.Bool(False)
             for band in bands:
@@ -123,8 +148,15 @@ def _trace(
                 carried |= throughput[band] > 0.0
             active &= carried
             ray = leaving(si.p, surface.normal, direction)
+        for number in range(len(limits)):
+            sums[number] = dr.select(index < limits[number], sums[number], before[number])
+        for number in range(len(moments)):
+            first_light = after_first[number] - before[number]
+            straight[number] += first_light
+            straight_squared[number] += dr.square(first_light)
+            bounced_squared[number] += dr.square(sums[number] - after_first[number])
         index += 1
-    return sums
+    return sums, straight, straight_squared, bounced_squared
 
 
 def pixel_keys(seed: int, pixels: Any) -> Any:
@@ -188,18 +220,8 @@ def pixel_means(sums: Sequence[Any], lanes: Any, shares: int, samples: int) -> l
     return means
 
 
-def trace_groups(
-    scene: Any,
-    surfaces: SurfaceTable,
-    camera: Camera,
-    cam_from_target: RigidTransform,
-    groups: Sequence[LightGroup],
-    pixels: AnyArray,
-    samples: int,
-    max_depth: int,
-    seed: int,
-) -> dict[str, Radiance]:
-    """Path-trace some pixels for all groups at once.
+class Walk:
+    """A kernel for some groups and one camera: it walks samples of pixels, and adds up their light.
 
     Parameters
     ----------
@@ -210,33 +232,118 @@ def trace_groups(
     camera : Camera
     cam_from_target : RigidTransform
     groups : sequence of LightGroup
+    max_depth : int
+        Surface interactions a path may have; 1 is direct light only.
+    fields : BouncedFields
+        Where bounced light of some groups is looked up instead of traced.
+    """
+
+    def __init__(
+        self,
+        scene: Any,
+        surfaces: SurfaceTable,
+        camera: Camera,
+        cam_from_target: RigidTransform,
+        groups: Sequence[LightGroup],
+        max_depth: int,
+        fields: BouncedFields = NO_FIELDS,
+    ) -> None:
+        self.scene, self.surfaces, self.camera, self.fields = scene, surfaces, camera, fields
+        self.groups, self.max_depth = groups, max_depth
+        target_from_cam = cam_from_target.inverse()
+        self.rotation = [
+            mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in target_from_cam.rotation[:, axis]))
+            for axis in range(3)
+        ]
+        self.lens = mi.Point3f(
+            *(dr.opaque(mi.Float, float(x)) for x in target_from_cam.translation)
+        )
+        self.lights = [light_of(group, cam_from_target) for group in groups]
+
+    def ray_of(self, u: Any, v: Any) -> Any:
+        """Return the ray through a pixel, target frame; pixel centres are integers."""
+        in_cam = ray_direction_in_cam(self.camera, u, v)
+        x, y, z = self.rotation
+        return mi.Ray3f(self.lens, dr.normalize(x * in_cam.x + y * in_cam.y + z * in_cam.z))
+
+    def __call__(
+        self,
+        pixels: Any,
+        first: Any,
+        last: Any,
+        seed: int,
+        limits: Sequence[Any] = (),
+        moments: bool = False,
+    ) -> tuple[list[Any], ...]:
+        """Walk the samples from ``first`` to before ``last`` of a pixel, lane by lane.
+
+        Parameters
+        ----------
+        pixels, first, last : UInt32
+            Indices ``row * width + column``, and numbers of samples.
+        seed : int
+        limits : sequence of UInt32
+            The number of samples that each group wants of the lane's pixel; all, unless given.
+        moments : bool
+            Whether to sum more than radiance.
+
+        Returns
+        -------
+        four lists of Float, one array over the lanes for each group
+            Sums of radiance, W m-2 sr-1; with ``moments``, of that part of it which came straight
+            from the light to the surface that is seen, of that part's square, and of the square of
+            all other.
+        """
+        # A wide light is also met by the ray that leaves a path's last surface.
+        wide = any(light.wide for light in self.lights)
+        return _trace(
+            self.scene,
+            self.surfaces,
+            sorted({light.channel for light in self.lights}),
+            self.ray_of,
+            self.lights,
+            self.fields,
+            pixels,
+            first,
+            last,
+            list(limits),
+            [number for number in range(len(self.lights)) if moments],
+            mi.UInt32(self.camera.width),
+            dr.opaque(mi.UInt32, self.max_depth),
+            dr.opaque(mi.UInt32, self.max_depth + 1 if wide else self.max_depth),
+            pixel_keys(seed, pixels),
+        )
+
+
+def trace_groups(
+    scene: Any,
+    surfaces: SurfaceTable,
+    camera: Camera,
+    cam_from_target: RigidTransform,
+    groups: Sequence[LightGroup],
+    pixels: AnyArray,
+    samples: int,
+    max_depth: int,
+    seed: int,
+    fields: BouncedFields = NO_FIELDS,
+) -> dict[str, Radiance]:
+    """Path-trace some pixels for all groups at once, as many samples in each.
+
+    Parameters
+    ----------
+    scene, surfaces, camera, cam_from_target, groups, max_depth, fields
+        As ``Walk`` has them.
     pixels : (n,) uint32 array
         Indices ``row * width + column``.
     samples : int
         Per pixel; spread most evenly if a power of two.
-    max_depth : int
-        Surface interactions a path may have; 1 is direct light only.
     seed : int
 
     Returns
     -------
     dict of (n,) float32 arrays, W m-2 sr-1, by group name.
     """
-    target_from_cam = cam_from_target.inverse()
-    rotation = [
-        mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in target_from_cam.rotation[:, axis]))
-        for axis in range(3)
-    ]
-    lens = mi.Point3f(*(dr.opaque(mi.Float, float(x)) for x in target_from_cam.translation))
-
-    def ray_of(u: Any, v: Any) -> Any:
-        in_cam = ray_direction_in_cam(camera, u, v)
-        direction = rotation[0] * in_cam.x + rotation[1] * in_cam.y + rotation[2] * in_cam.z
-        return mi.Ray3f(lens, dr.normalize(direction))
-
-    lights = [light_of(group, cam_from_target) for group in groups]
-    # A wide light is also met by the ray that leaves a path's last surface.
-    segments = max_depth + 1 if any(light.wide for light in lights) else max_depth
+    walk = Walk(scene, surfaces, camera, cam_from_target, groups, max_depth, fields)
     on_cuda = dr.backend_v(mi.Float) == dr.JitBackend.CUDA
     shares = lanes_per_pixel(samples, CUDA_SAMPLES if on_cuda else 1)
     # The samples of a pixel lie side by side: lanes that are walked together see one place.
@@ -248,19 +355,6 @@ def trace_groups(
     )
     each = dr.opaque(mi.UInt32, samples // shares)
     first = lanes % dr.opaque(mi.UInt32, shares) * each
-    sums = _trace(
-        scene,
-        surfaces,
-        sorted({light.channel for light in lights}),
-        ray_of,
-        lights,
-        pixel,
-        first,
-        first + each,
-        mi.UInt32(camera.width),
-        dr.opaque(mi.UInt32, max_depth),
-        dr.opaque(mi.UInt32, segments),
-        pixel_keys(seed, pixel),
-    )
+    sums, *_ = walk(pixel, first, first + each, seed)
     means = pixel_means(sums, lanes, shares, samples)
     return {group.name: mean for group, mean in zip(groups, means, strict=True)}

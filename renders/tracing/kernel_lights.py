@@ -24,7 +24,7 @@ class SunLight:
     wide = False
 
     def __init__(self, group: SunGroup) -> None:
-        self.channel = group.channel
+        self.name, self.channel = group.name, group.channel
         self.irradiance = dr.opaque(mi.Float, group.irradiance_w_m2)
         centre = np.array(group.direction_in_target)
         helper = np.eye(3)[int(np.argmin(np.abs(centre)))]
@@ -61,7 +61,7 @@ class EarthLight:
 
     def __init__(self, group: EarthGroup) -> None:
         earth = group.earth
-        self.channel = group.channel
+        self.name, self.channel = group.name, group.channel
         self.reach = dr.opaque(mi.Float, 1.0 / earth.sine_of_radius)
         self.cosine = dr.opaque(mi.Float, float(np.sqrt(1.0 - earth.sine_of_radius**2)))
         self.density = dr.opaque(mi.Float, 1.0 / earth.solid_angle_sr)
@@ -105,7 +105,7 @@ class LampLight:
 
     def __init__(self, group: LampGroup, cam_from_target: RigidTransform) -> None:
         target_from_cam = cam_from_target.inverse()
-        self.channel = group.channel
+        self.name, self.channel = group.name, group.channel
         self.count = float(group.ring.count)
         self.exponent = float(group.ring.exponent)
         self.intensity = dr.opaque(mi.Float, group.ring.intensity_w_sr)

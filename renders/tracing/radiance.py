@@ -8,7 +8,7 @@ noise cancels in the difference instead of making blobs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -21,10 +21,13 @@ from models.arrays import AnyArray, Mask, Radiance
 from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
+from renders.tracing.adaptive import trace_to_noise
+from renders.tracing.bounced.field import NO_FIELDS, BouncedFields
 from renders.tracing.emitter_by_emitter import render_group
-from renders.tracing.group_integrator import trace_groups
+from renders.tracing.group_integrator import Walk, trace_groups
 from renders.tracing.light_groups import LampGroup, LightGroup
 from renders.tracing.marker_lobes import add_lobes
+from renders.tracing.noise_limit import NoiseLimit
 from renders.tracing.scene import SceneGeometry
 from renders.tracing.surface_table import SurfaceTable
 from renders.tracing.windows import Window, window_around
@@ -47,12 +50,18 @@ class Sampling:
     max_depth : int
         Surface interactions of a path; 1 is direct light.
     seed : int
+    noise : mapping of NoiseLimit, optional
+        By the name of a group, what each pixel is traced to instead of ``samples`` (JIT variants).
+    fields : BouncedFields
+        Where bounced light is looked up instead of traced (JIT variants).
     """
 
     samples: int
     marker_samples: int
     max_depth: int
     seed: int
+    noise: Mapping[str, NoiseLimit] | None = None
+    fields: BouncedFields = NO_FIELDS
 
 
 @lru_cache(maxsize=2)
@@ -173,7 +182,12 @@ def render_radiance(
         tiled = tiled[in_view.ravel()[tiled]]
     surfaces, samples = geometry.surfaces, sampling.samples
     traced: dict[str, Radiance] = {}
-    if len(tiled):  # Dr.Jit traces no empty work
+    if len(tiled) and sampling.noise is not None:
+        depth, fields = sampling.max_depth, sampling.fields
+        walk = Walk(scene, surfaces, camera, cam_from_target, groups, depth, fields)
+        shape = (camera.height, camera.width)
+        traced = trace_to_noise(walk, tiled, shape, sampling.noise, sampling.seed)
+    elif len(tiled):  # Dr.Jit traces no empty work
         traced = _traced(scene, surfaces, camera, cam_from_target, groups, tiled, samples, sampling)
     images = {}
     for name in [group.name for group in groups]:
@@ -186,7 +200,7 @@ def render_radiance(
         near_samples = min(NEAR_SAMPLES, sampling.marker_samples)
         # A Sun's light changes little across an outline; lamps' is returned on one side alone.
         for pixels, samples, lit in (
-            (near, near_samples, groups),
+            (near, near_samples, groups if sampling.noise is None else lamps),
             (edge, sampling.marker_samples, lamps),
         ):
             if len(pixels) == 0 or not lit:  # no disc shows its face, or no lamp shines
@@ -217,6 +231,7 @@ def _traced(
         samples=samples,
         max_depth=sampling.max_depth,
         seed=sampling.seed,
+        fields=sampling.fields,
     )
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from renders.tracing.retroreflector import active_aperture
 from renders.tracing.surfaces import Surface
 
+LEAST_ROUGH = 0.075  # a narrower lobe is followed by rays, not looked up
 RETURN_SHARE = 0.5  # of the directions drawn at a retroreflector that go back to where light came
 
 
@@ -145,6 +146,11 @@ class SurfaceSeen:
             self.cone_cosine, self.cone_sine = of(table.cone_cosine), of(table.cone_sine)
             self.glass_index = of(table.glass_index)
             self.return_share = of(table.return_share)
+
+    @property
+    def is_rough(self) -> Any:
+        """Whether the mirror lobe is wider than what bounced light is kept in."""
+        return self.roughness > LEAST_ROUGH
 
     def _slant(self, cosine: Any) -> Any:
         """Return ``c (1 + 2 Lambda)`` of Smith's shadowing, whose G1 is ``2 c / (c + that)``."""

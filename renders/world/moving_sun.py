@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class WithSunOfTable:
 
     turning: Turning
     motion: TableMotion
+    suns_stand_still: ClassVar[bool] = False
 
     def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
         """Return it as the table has it."""
@@ -59,6 +61,7 @@ class WithSunByDate:
 
     turning: Turning
     epoch: datetime
+    suns_stand_still: ClassVar[bool] = False
 
     def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
         """Return it as the date has it."""

@@ -7,7 +7,7 @@ it is approached), or the inertial frame of an orbit, whose axes are those of th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -24,6 +24,11 @@ from renders.world.trajectory import FreeMotion
 
 class Turning(Protocol):
     """How the sky turns over the target."""
+
+    @property
+    def suns_stand_still(self) -> bool:
+        """Whether each Sun stays where it is in target axes."""
+        ...
 
     def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
         """Return a Sun's direction in target axes, from the axes in which it was typed."""
@@ -53,6 +58,7 @@ class FixedInTarget:
     earth: EarthTable
     stars: StarsTable
     sway: AttitudeWobble | None = None
+    suns_stand_still: ClassVar[bool] = True
 
     def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
         """Return it as typed."""
@@ -83,6 +89,7 @@ class TurningWithOrbit:
     """
 
     motion: FreeMotion
+    suns_stand_still: ClassVar[bool] = False
 
     def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
         """Return it from inertial axes."""

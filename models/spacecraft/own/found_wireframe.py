@@ -1,7 +1,7 @@
 """A wireframe found on a mesh: its large corners, the straight edges between them, what hides them.
 
 Corners and edges that no camera ever sees, such as those of a bracket inside a body, are left out.
-Where a bevel or a thickness makes two corners of one, the larger stands for both.
+Where a bevel or a thickness makes two corners of one, the landmark lies between them.
 """
 
 from __future__ import annotations
@@ -19,14 +19,16 @@ from models.spacecraft.own.sharp_edges import corners_of, sharp_edges
 from models.spacecraft.own.simplify import simplified
 from models.spacecraft.own.symmetry import symmetries_of
 from models.spacecraft.own.welded import welded
-from models.wireframe.visibility import visible_points
+from models.wireframe.visibility import CLEAR_M, visible_points
 from models.wireframe.wireframe import Wireframe
 
 MOST_TRIED = 400  # corners that are looked at from all around
 DIRECTIONS = 64  # from which
 FINE_FACES = 3000  # of the surface that hides them then
 SEEN_FROM = 0.08  # of them, at least, to be worth knowing
-APART_SHARE = 0.03  # of the radius: corners nearer than this are one
+APART_SHARE = 0.03  # of the radius: a corner nearer than this to a typed one is that one
+MERGED_SHARE = 0.02  # of the radius: corners nearer than this are one, between them,
+MERGED_M = 2.0 * CLEAR_M  # or nearer than this: so it is seen from both sides of a sheet
 LEAST_CORNER_SHARE = 0.1  # of the radius: what edges a corner must have at least, all in all
 LEAST_EDGE_SHARE = 0.06  # of the radius: an edge shorter than this is no edge to look for
 ENOUGH_CORNERS, ENOUGH_EDGES = 8, 8  # as a box has, about
@@ -110,7 +112,8 @@ def _sharp_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> Foun
     corners, sizes = corners[order], sizes[order]
     seen = _seen(body.points[corners], hiding)
     corners, sizes = corners[seen], sizes[seen]
-    stands_for = _merged(body.points[corners], APART_SHARE * radius, wish.most_landmarks)
+    apart_m = min(MERGED_SHARE * radius, MERGED_M)
+    stands_for = _merged(body.points[corners], apart_m, wish.most_landmarks)
     number = {int(c): int(k) for c, k in zip(corners, stands_for, strict=True) if k >= 0}
     kept = np.flatnonzero(stands_for == np.arange(len(corners)))
     place = {int(old): new for new, old in enumerate(kept)}
@@ -121,7 +124,8 @@ def _sharp_shape(triangles: Floats, hiding: Floats, wish: WireframeWish) -> Foun
             pairs[(one, two)] = max(pairs.get((one, two), 0.0), length)
     longest = sorted(pairs.items(), key=lambda item: (-item[1], item[0]))
     edges = [ends for ends, length in longest if length >= LEAST_EDGE_SHARE * radius]
-    points = body.points[corners[kept]]
+    points = np.array([body.points[corners[stands_for == k]].mean(axis=0) for k in kept])
+    points = points.reshape(-1, 3)
     chosen = np.array(edges, dtype=np.int64).reshape(-1, 2)
     if len(chosen):
         chosen = chosen[_seen(points[chosen].mean(axis=1), hiding)]
