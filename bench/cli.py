@@ -18,6 +18,7 @@ from typing import Annotated, Any, NoReturn, Union
 import tyro
 
 from bench import verbs
+from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
 from bench.store.verb import Store
@@ -36,6 +37,7 @@ VERBS: dict[str, type[Any]] = {
     "score": verbs.Score,
     "report": verbs.Report,
     "show": verbs.Show,
+    "inspect": Inspect,
     "store": Store,
     "new": New,
     "list": verbs.List,

@@ -137,7 +137,8 @@ class Estimate:
     camera: OptionalFile = None
     """the camera that took them: width, height, fx, fy, cx, cy and distortion, in px"""
     target: Annotated[str, arg(metavar="NAME|FILE")] = "maxar1300"
-    """what they show: a target's name, or its markers.toml or wireframe.json"""
+    """what they show: a target's name, the TOML of one of your own, or a markers.toml or
+    wireframe.json"""
     prior: OptionalFile = None
     """the first pose; else prior.toml in or beside the folder of the frames"""
     knowledge: OptionalFile = None

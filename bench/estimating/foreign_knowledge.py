@@ -15,6 +15,7 @@ from models.dataset.prior_file import read_prior
 from models.errors import DatasetError, ScenarioError
 from models.markers import MarkerPattern
 from models.onboard import OnboardKnowledge
+from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
 from models.wireframe.wireframe_file import read_wireframe
@@ -29,7 +30,8 @@ class GivenFiles:
     Attributes
     ----------
     target : str
-        A target's name, or a ``markers.toml`` or ``wireframe.json``.
+        A target's name, the TOML of a spacecraft of one's own, or a ``markers.toml`` or
+        ``wireframe.json``.
     prior : Path or None
         The first pose; else ``prior.toml`` in or beside the folder of the frames.
     detector : Path or None
@@ -103,7 +105,12 @@ def markers_and_wireframe(target: str) -> tuple[MarkerPattern | None, Wireframe 
         If there is no such target, or the file cannot be.
     """
     if target.lower().endswith(".toml"):
-        return read_markers(Path(target)), None
+        if "mesh" not in read_toml(Path(target)):
+            return read_markers(Path(target)), None
+        from models.spacecraft.own.build import read_own_target  # builds meshes: only when asked
+
+        own = read_own_target(Path(target))
+        return own.spacecraft.markers, own.known_wireframe
     if target.lower().endswith(".json"):
         return None, read_wireframe(Path(target))
     from models.spacecraft.catalogue import spacecraft_by_name  # builds meshes: only when asked

@@ -30,6 +30,8 @@ SMALL: dict[str, dict[str, Any]] = {
 }
 """What the file sets: five small image pairs, a minute's work."""
 
+NOT_TYPED = ("own_target",)  # stands in resolved scenarios alone
+
 HEAD = """\
 # A case of your own: `rvbench run {name}.toml --out out/{name}` renders and scores it as it is.
 #
@@ -38,7 +40,7 @@ HEAD = """\
 
 name = {quoted}
 description = "What it is for, in a line or two."
-# `rvbench list` names the targets.
+# `rvbench list` names the targets; a .toml file is one of your own, see `rvbench inspect --help`.
 target = "maxar1300"
 """
 NEED_NOT = """\
@@ -57,7 +59,7 @@ def case_text(name: str) -> str:
     parts, optional = [HEAD.format(name=name, quoted=_value(name))], [NEED_NOT]
     for key, field in Scenario.model_fields.items():
         table = _table(field)
-        if table is None:
+        if table is None or key in NOT_TYPED:
             continue
         if field.default is None:
             free = read_scenario(case_path(FREE_TARGET)).model_dump()[key]

@@ -17,7 +17,7 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
     Parameters
     ----------
     kind : str
-        case, camera or pipeline.
+        case, camera, target or pipeline.
     name : str
         The file will be NAME.toml, the package the folder NAME.
     folder : Path
@@ -66,6 +66,10 @@ def _files(kind: str, name: str) -> tuple[dict[str, str], str]:
 
         advice = f"rvbench estimate --frames DIR --camera {name}.toml --prior prior.toml"
         return {f"{name}.toml": camera_text(name)}, advice
+    if kind == "target":
+        from bench.inspecting.start_text import target_text
+
+        return {f"{name}.toml": target_text(name)}, f"rvbench inspect {name}.toml"
     from bench.new.pipeline_text import pipeline_files
 
     return pipeline_files(name), f"pip install --editable ./{name}, then rvbench estimate DIR"

@@ -43,6 +43,23 @@ def read_json_table(path: Path, most_bytes: int = MOST_TABLE_BYTES) -> dict[str,
     return _table(path, read_json(path, most_bytes), None)
 
 
+def parse_json_table(path: Path, text: str) -> dict[str, Any]:
+    """Parse JSON that stands in another file, such as a GLB; its outermost value is a table.
+
+    Parameters
+    ----------
+    path : Path
+        Where it stands, for messages.
+    text : str
+
+    Raises
+    ------
+    UnreadableError
+        As ``read_json_table``, of what is parsed.
+    """
+    return _table(path, _parsed(path, text, None), None)
+
+
 def read_json_lines(
     path: Path, most_bytes: int = MOST_TABLE_BYTES, most_line_bytes: int = MOST_LINE_BYTES
 ) -> list[tuple[int, dict[str, Any]]]:

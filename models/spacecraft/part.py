@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from models.arrays import Floats
 from models.markers import MarkerPattern
+from models.materials import MATERIALS, Material
 
 if TYPE_CHECKING:
     import trimesh
@@ -26,7 +29,7 @@ class Part:
     mesh : trimesh.Trimesh
         Triangles in the body frame, m; normals outward.
     material : str
-        A key of ``models.materials.MATERIALS``.
+        A key of ``models.materials.MATERIALS``, or of the spacecraft's own.
     smooth : bool
         Whether vertex normals are interpolated over the faces (curved parts) or not (flat ones).
     """
@@ -50,12 +53,19 @@ class Spacecraft:
         The retroreflectors; the renderer makes their discs.
     centre_of_mass : (3,) array, m
         In the body frame.
+    materials : mapping of str to Material
+        Its own, beside those of ``models.materials``.
     """
 
     name: str
     parts: tuple[Part, ...]
     markers: MarkerPattern | None
     centre_of_mass: Floats
+    materials: Mapping[str, Material] = field(default_factory=lambda: MappingProxyType({}))
+
+    def material_of(self, part: Part) -> Material:
+        """Return what a part of it is made of."""
+        return self.materials.get(part.material) or MATERIALS[part.material]
 
     @property
     def part_names(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
 
 CLEAR_M = 0.03  # nearer than this to a landmark a face is its own, and hides nothing
+CLEAR_SHARE = 0.01  # of the target's radius: of a target below 3 m this is less
 NEAR_M = 1e-6  # nearer than this to the camera's plane is not in front
 
 
@@ -64,7 +65,7 @@ def visible_edge_pieces(
     camera = cam_from_target.inverse().translation
     triangles, ways = wireframe.triangles_in_target - camera, points - camera
     edge, face = np.nonzero(_may_cross(triangles, start - camera, end - camera))
-    meets = _meet(triangles[face], ways[edge])
+    meets = _meet(triangles[face], ways[edge], _clear_m(wireframe))
     hidden = np.zeros(ways.shape[:2], dtype=bool)
     np.logical_or.at(hidden, edge, meets)
     return EdgePieces(points, _in_front(points, cam_from_target) & ~hidden)
@@ -86,7 +87,8 @@ def visible_points(wireframe: Wireframe, points: Floats, cam_from_target: RigidT
     (n,) array of bool
     """
     camera = cam_from_target.inverse().translation
-    meets = _meet(wireframe.triangles_in_target - camera, (points - camera)[None])
+    ways = (points - camera)[None]
+    meets = _meet(wireframe.triangles_in_target - camera, ways, _clear_m(wireframe))
     return _in_front(points, cam_from_target) & ~meets.any(axis=0)
 
 
@@ -102,7 +104,15 @@ def _may_cross(triangles: Floats, start: Floats, end: Floats) -> Mask:
     return np.asarray((side.min(axis=1) <= 0.0) & (side.max(axis=1) >= 0.0)).T
 
 
-def _meet(triangles: Floats, ways: Floats) -> Mask:
+def _clear_m(wireframe: Wireframe) -> float:
+    """Return how near to a landmark a face is its own, m."""
+    if not len(wireframe.triangles_in_target):
+        return CLEAR_M
+    farthest = float(np.abs(wireframe.triangles_in_target).max())
+    return min(CLEAR_M, CLEAR_SHARE * farthest)
+
+
+def _meet(triangles: Floats, ways: Floats, clear_m: float) -> Mask:
     """Tell which segments from the origin meet which triangle on their way, (f, n).
 
     With a corner a and sides b, c of a triangle and a way d, Cramer's rule gives the share of the
@@ -114,6 +124,8 @@ def _meet(triangles: Floats, ways: Floats) -> Mask:
     triangles : (f, 3, 3) array, m
     ways : (f, n, 3) or (1, n, 3) array, m
         The segments that each triangle is asked about.
+    clear_m : float, m
+        From the far end; nearer than this nothing is met.
     """
     corner = triangles[:, 0]
     first, second = triangles[:, 1] - corner, triangles[:, 2] - corner
@@ -125,6 +137,6 @@ def _meet(triangles: Floats, ways: Floats) -> Mask:
     u, v = sign * u, sign * v
     ahead = sign * np.einsum("ij,ij->i", corner, normal)[:, None]
     length = np.linalg.norm(ways, axis=-1)
-    short = 1.0 - CLEAR_M / np.maximum(length, 2.0 * CLEAR_M)
+    short = 1.0 - clear_m / np.maximum(length, 2.0 * clear_m)
     meets = (u >= 0.0) & (v >= 0.0) & (u + v <= size) & (ahead > 0.0) & (ahead < short * size)
     return np.asarray(meets)

@@ -22,7 +22,8 @@ from models.wireframe.wireframe import Wireframe
 
 MOST_SAMPLES = 900
 WELD_M = 1e-4  # corners of faces nearer than this are one
-ON_EDGE_M = 0.02  # an outline this near to an edge of the wireframe is that edge
+ON_EDGE_M = 0.02  # an outline this near to an edge of the wireframe is that edge,
+ON_EDGE_SHARE = 0.01  # or, of a small target, this near in its radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,8 @@ class ModelEdges:
         self.radius_m = wireframe.radius_m
         ends = wireframe.points_in_target[wireframe.edges]
         mesh_ends, self._sides = _mesh_edges(wireframe.triangles_in_target)
-        new = ~_on_segments(mesh_ends, ends)
+        near_m = min(ON_EDGE_M, ON_EDGE_SHARE * wireframe.radius_m)
+        new = ~_on_segments(mesh_ends, ends, near_m)
         mesh_ends, self._sides = mesh_ends[new], self._sides[new]
         self._ends = np.concatenate([ends, mesh_ends])
         self._wires = len(ends)
@@ -183,8 +185,8 @@ def _mesh_edges(triangles: Floats) -> tuple[Floats, Indices]:
     return np.array(ends).reshape(-1, 2, 3), np.array(sides, dtype=np.int64).reshape(-1, 2)
 
 
-def _on_segments(segments: Floats, others: Floats) -> Mask:
-    """Tell which segments (n, 2, 3) lie on one of the others, (m, 2, 3)."""
+def _on_segments(segments: Floats, others: Floats, near_m: float) -> Mask:
+    """Tell which segments (n, 2, 3) lie within ``near_m`` of one of the others, (m, 2, 3)."""
     if len(segments) == 0 or len(others) == 0:
         return np.zeros(len(segments), dtype=bool)
     start, along = others[:, 0], others[:, 1] - others[:, 0]
@@ -193,7 +195,7 @@ def _on_segments(segments: Floats, others: Floats) -> Mask:
     for end in (segments[:, 0], segments[:, 1]):
         share = np.einsum("nmi,mi->nm", end[:, None] - start, along) / length2
         foot = start + np.clip(share, 0.0, 1.0)[..., None] * along
-        near &= np.linalg.norm(end[:, None] - foot, axis=2) < ON_EDGE_M
+        near &= np.linalg.norm(end[:, None] - foot, axis=2) < near_m
     return np.asarray(near.any(axis=1))
 
 

@@ -1,7 +1,7 @@
-"""Files that a scenario names, read into it: a resolved scenario needs none of them.
+"""Files that a scenario names, read into it: of them a resolved scenario needs a mesh alone.
 
-``camera.file``, ``motion.file`` and ``markers`` lie beside the scenario. What they say then stands
-in the scenario itself, so its fingerprint covers it.
+A ``target`` of one's own, ``camera.file``, ``motion.file`` and ``markers`` lie beside the scenario.
+What they say then stands in the scenario itself, so its fingerprint covers it.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from models.errors import DatasetError, ScenarioError
 from models.motion.pose_table import PoseTable, pose_table, read_pose_lines
 from models.reading.toml_file import read_toml
 from renders.scenario.camera_tables import CameraTable
+from renders.scenario.own_target import with_own_target_read
 
 Read = TypeVar("Read")
 BESIDE_A_FILE = ("file", "rendered_width")  # keys of [camera] that say nothing of the camera
@@ -40,6 +41,7 @@ def with_files_read(table: dict[str, Any], path: Path) -> dict[str, Any]:
         If a file cannot be read, or says what the scenario says as well.
     """
     table = {key: dict(value) if isinstance(value, dict) else value for key, value in table.items()}
+    with_own_target_read(table, path)
     _read_camera(table, path)
     if isinstance(table.get("markers"), str):
         file = path.parent / table["markers"]

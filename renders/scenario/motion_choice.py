@@ -10,8 +10,8 @@ import numpy as np
 
 from models.errors import DatasetError, ScenarioError
 from models.motion.pose_table import ROUNDING_S, PoseTable, pose_table
-from models.spacecraft.catalogue import spacecraft_by_name
 from renders.scenario.motion_tables import MotionKind
+from renders.scenario.own_target import target_has_markers
 
 if TYPE_CHECKING:
     from models.motion.table_motion import TableMotion
@@ -39,9 +39,7 @@ def frame_kind_of(scenario: Scenario) -> str:
     kind = motion_kind_of(scenario)
     if kind != "poses":
         return "pairs" if kind == "approach" else "single"
-    has_markers = (
-        scenario.markers is not None or spacecraft_by_name(scenario.target).markers is not None
-    )
+    has_markers = scenario.markers is not None or target_has_markers(scenario)
     return "pairs" if has_markers else "single"
 
 

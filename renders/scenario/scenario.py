@@ -56,6 +56,7 @@ from renders.scenario.motion_choice import (
     times_of,
 )
 from renders.scenario.motion_tables import FrameTable, MotionKind, MotionTable
+from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.sun_choice import check_suns
@@ -74,7 +75,13 @@ OPTIONS = {
 }
 """Which option stands for which key."""
 MOST_THREADS = 512
-SHAPING_NOTHING = {"description", "limits", "asked"}  # prose, and what is asked
+SHAPING_NOTHING: dict[str, bool | set[str]] = {
+    "description": True,
+    "limits": True,
+    "asked": True,
+    "own_target": {"file"},
+}
+"""Prose, what is asked, and where a mesh lies."""
 
 
 class RenderTable(Table):
@@ -120,7 +127,10 @@ class Scenario(Table):
 
     name: Name = Field(description="of the case")
     description: Prose = Field("", description="prose for its reader")
-    target: Name = Field("maxar1300", description="maxar1300, xmm or hispasat")
+    target: Name = Field(
+        "maxar1300",
+        description="maxar1300, xmm or hispasat, or a .toml file of a spacecraft of your own",
+    )
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
     detector: DetectorTable = DetectorTable()  # type: ignore[call-arg]
@@ -145,6 +155,7 @@ class Scenario(Table):
         None, description="your own, in a file or here, instead of the target's"
     )
     told: ToldTable | None = Field(None, description="what a pipeline is told otherwise")
+    own_target: OwnTargetTable | None = Field(None, description="as its file had it")
 
     @property
     def motion_kind(self) -> MotionKind:

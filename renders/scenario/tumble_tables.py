@@ -79,7 +79,7 @@ class TumbleTable(Table):
         description="inertial rate of the target, in target axes"
     )
     inertia_kg_m2: Annotated[tuple[Moments, Moments, Moments], Field(strict=False)] = Field(
-        description="of the target, its axes"
+        description="of the target, its axes; of one of your own its file's, unless typed"
     )
     q_lvlh_from_target_wxyz: Numbers = Field(
         (1.0, 0.0, 0.0, 0.0), description="attitude at time zero, scalar first"

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from renders.store.radiance_store import entry_key
@@ -25,7 +24,7 @@ def spacecraft_hash(spacecraft: Spacecraft) -> str:
     """Return a hash of a spacecraft's meshes, materials and markers."""
     digest = hashlib.sha256()
     for part in spacecraft.parts:
-        digest.update(repr((part.name, part.smooth, MATERIALS[part.material])).encode())
+        digest.update(repr((part.name, part.smooth, spacecraft.material_of(part))).encode())
         digest.update(np.ascontiguousarray(part.mesh.vertices, dtype=np.float32).data)
         digest.update(np.ascontiguousarray(part.mesh.faces, dtype=np.int64).data)
     if spacecraft.markers is not None:

@@ -17,7 +17,6 @@ import numpy as np
 
 from models.arrays import Floats
 from models.markers import MarkerPattern
-from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
@@ -211,7 +210,7 @@ def build_geometry(
     """
     labels = (*target.part_names, MARKER_LABEL, CHASER_LABEL)
     surface_of_material = {
-        part.material: surface_of(MATERIALS[part.material])
+        part.material: surface_of(craft.material_of(part))
         for craft in (target, chaser)
         if craft
         for part in craft.parts

@@ -18,9 +18,9 @@ from models.spacecraft.catalogue import spacecraft_by_name
 from models.spacecraft.own_markers import with_own_markers
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
 from renders.scenario.marker_tables import markers_from
 from renders.scenario.motion_choice import table_motion_of
+from renders.scenario.own_target import target_of, wireframe_if_any, wireframe_of
 from renders.scenario.scenario import Scenario
 from renders.scenario.tumble_tables import TumbleTable
 from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
@@ -87,7 +87,7 @@ def _pairs(scenario: Scenario) -> World:
 def _singles(scenario: Scenario) -> World:
     """Single images of a target, as it is met; nothing is known on board of where it is."""
     moving, bodies, sensor = _moving(scenario), _bodies(scenario), single_camera(scenario)
-    wireframe = wireframe_by_name(scenario.target) if scenario.target in WIREFRAMES else None
+    wireframe = wireframe_if_any(scenario)
     share = scenario.pixel_scale**2
     return World(
         scenario=scenario,
@@ -117,7 +117,7 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
     """
     motion = _free_motion(scenario, table)
     bodies, sensor = _bodies(scenario), single_camera(scenario)
-    wireframe, told = wireframe_by_name(scenario.target), table.onboard
+    wireframe, told = wireframe_of(scenario), table.onboard
     share = scenario.pixel_scale**2
     return World(
         scenario=scenario,
@@ -183,7 +183,7 @@ def _moving(scenario: Scenario) -> Moving:
 
 
 def _target(scenario: Scenario) -> Spacecraft:
-    target = spacecraft_by_name(scenario.target)
+    target = target_of(scenario)
     if scenario.markers is None:
         return target
     return with_own_markers(target, markers_from(scenario.markers, scenario.name))

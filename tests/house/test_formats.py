@@ -1,6 +1,7 @@
 """What ``docs/formats.md`` shows is read by what reads datasets and estimates."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from models.dataset.estimates_file import read_estimates, write_estimates
 from models.dataset.image_file import encode_image
 from models.errors import RvbenchError
 from models.motion.relative_state import ROTATION, TRANSLATION, relative_state
+from models.spacecraft.own.description import KEYS, WIREFRAME_KEYS, description_of
 
 HOUSE = Path(__file__).resolve().parents[2]
 PAGE = (HOUSE / "docs" / "formats.md").read_text()
@@ -70,6 +72,19 @@ def test_the_datasets_are_read(folders):
     assert images.frame(1).table("chaser_orbit").column("x_m") == pytest.approx([1093488.7])
 
 
+def test_the_spacecraft_is_read_with_every_key(folders):
+    described = description_of(
+        tuple(EXAMPLES["own/probe.toml"].splitlines()), "probe.toml", folders[0]
+    )
+    table = tomllib.loads(EXAMPLES["own/probe.toml"])
+    assert set(table) == {"name", "mesh", *KEYS}
+    assert set(table["wireframe"]) == set(WIREFRAME_KEYS) - {"file"}
+    assert described.unit_m == 0.001
+    assert described.markers == "markers.toml"
+    assert described.materials["my_paint"].diffuse.bands == (0.80, 0.81, 0.79)
+    assert described.wireframe.edges == (("antenna_foot", "antenna_tip"),)
+
+
 def test_the_estimates_are_of_that_dataset(folders):
     dataset = open_dataset(folders[0])
     mine, full = read_run(dataset, 0, "mine"), read_run(dataset, 0, "full")
@@ -95,7 +110,9 @@ def test_the_estimates_are_what_we_would_write(folders, tmp_path):
         assert keys[0] == keys[1]
 
 
-@pytest.mark.parametrize("name", [name for name in EXAMPLES if not name.startswith("estimates/")])
+@pytest.mark.parametrize(
+    "name", [name for name in EXAMPLES if not name.startswith(("estimates/", "own/"))]
+)
 def test_each_file_matters(folders, name):
     """The tests above, tested: without any one of the files the datasets are not read."""
     (folders[0] / name).unlink()

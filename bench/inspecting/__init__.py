@@ -1,0 +1,1 @@
+"""``rvbench inspect``: what a mesh file holds, what is wrong with it, and a TOML to start from."""

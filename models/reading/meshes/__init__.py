@@ -1,0 +1,1 @@
+"""The doors of mesh files: what they claim is held against what is there, before any is parsed."""
