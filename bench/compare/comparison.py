@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from bench.compare.bootstrap import Resampling
 from bench.compare.conditions import conditions, groups
 from bench.compare.leaderboard import Leaderboard, RankBy, frame_values, leaderboard
-from bench.compare.methods import Method, found_methods
+from bench.compare.methods import Method
 from bench.estimating.foreign_estimates.reading import FileFormat
-from bench.estimating.foreign_estimates.said_poses import Choices
+from bench.estimating.foreign_estimates.said_poses import Choices, TrajectoryOf
 from bench.progress import frame_progress
 from bench.scoring.pose_measures import MethodMeasures, measured_methods
 from bench.scoring.pose_summary import PoseSummary, pose_summary
@@ -48,6 +47,41 @@ class CompareOptions:
     vsd_px: int = VSD_PX
 
 
+def compare_options(
+    rank_by: RankBy = "speed",
+    file_format: FileFormat | None = None,
+    scene: int | None = None,
+    target: int | None = None,
+    trajectory_of: TrajectoryOf = "camera",
+    vsd_px: int = VSD_PX,
+    seed: int = 0,
+    resamples: int = 2000,
+    block_frames: int | None = None,
+) -> CompareOptions:
+    """Return options from what is typed, checked.
+
+    Parameters
+    ----------
+    rank_by, file_format, vsd_px : as for ``CompareOptions``
+    scene, target, trajectory_of : as for ``Choices``
+    seed, resamples, block_frames : as for ``Resampling``
+
+    Raises
+    ------
+    ScenarioError
+        If one cannot be.
+    """
+    options = CompareOptions(
+        file_format,
+        Choices(scene, target, trajectory_of),
+        rank_by,
+        Resampling(seed, resamples, block_frames),
+        vsd_px,
+    )
+    check_options(options)
+    return options
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """What came of it.
@@ -75,34 +109,18 @@ class Comparison:
         return next(method for method in self.methods if method.label == label)
 
 
-def compare_methods(
-    arguments: Sequence[Path], dataset: Path | None, options: CompareOptions
-) -> Comparison:
-    """Compare methods on the frames of a dataset.
-
-    Parameters
-    ----------
-    arguments : sequence of Path
-        Estimates files, datasets, or folders of runs.
-    dataset : Path, optional
-        That of the arguments unless given.
-    options : CompareOptions
+def check_number(methods: Sequence[Method]) -> None:
+    """Refuse to compare one method with nothing.
 
     Raises
     ------
     ScenarioError
-        If an option cannot be, or fewer than two methods are named.
-    DatasetError
-        If estimates, dataset or truth cannot be read, or do not belong together.
     """
-    check_options(options)
-    opened, methods = found_methods(arguments, dataset, options.file_format, options.choices)
     if len(methods) < 2:
         raise ScenarioError(
             f"expected at least two methods to compare, got {methods[0].label} alone; "
             "for one: `rvbench score DATASET --estimates FILE`"
         )
-    return compared(opened, methods, options)
 
 
 def check_options(options: CompareOptions) -> None:

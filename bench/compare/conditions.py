@@ -14,6 +14,7 @@ from models.arrays import Floats, Mask
 
 MOST_BINS = 4
 LEAST_FRAMES = 3  # of a group; with fewer there is nothing to compare
+LIKE = 0.05  # a spread that is a smaller share of the largest value is none
 PHASES_DEG = (0.0, 30.0, 60.0, 90.0, 120.0, 180.0)
 
 
@@ -107,7 +108,7 @@ def _quantiles(by: str, unit: str, values: Floats) -> list[Group]:
     if bins < 2:
         return []
     edges = np.quantile(values, np.linspace(0.0, 1.0, bins + 1))
-    if edges[-1] - edges[0] < 1e-3 * abs(edges[-1]):
+    if edges[-1] - edges[0] < LIKE * abs(edges[-1]):
         return []
     return _binned(by, unit, values, edges.tolist())
 

@@ -1,8 +1,9 @@
-"""A comparison as JSON: every number of the tables, what it was made of, and every frame."""
+"""Compare and write it down: JSON with every number and every frame, and the page."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -11,20 +12,90 @@ from typing import Any
 import numpy as np
 
 from bench.compare.bootstrap import CONFIDENCE
-from bench.compare.comparison import Comparison
+from bench.compare.comparison import CompareOptions, Comparison, check_number, compared
 from bench.compare.conditions import conditions
+from bench.compare.methods import found_methods
+from bench.compare.page import write_comparison_page
 from bench.scoring.core_score import core_score
 from bench.scoring.metrics import bop, speed
 from bench.scoring.pose_measures import FrameMeasures, MethodMeasures
 from bench.scoring.score import plain, rounded
 from models.atomic_file import write_text
-from models.errors import DatasetError, UnreadableError
+from models.errors import DatasetError, ScenarioError, UnreadableError
 from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
 
 FORMAT, VERSION = "rvbench-comparison", 1
 FILE_NAME, PAGE_NAME = "comparison.json", "comparison.html"
 MOST_BYTES = 4_000_000_000
+
+
+def score_one(
+    folder: Path, estimates: Path, out: Path, options: CompareOptions
+) -> tuple[Comparison, dict[str, Any]]:
+    """Score one file of estimates against a dataset.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset; it is only read.
+    estimates : Path
+    out : Path
+        The score.
+    options : CompareOptions
+
+    Raises
+    ------
+    RvbenchError
+        If something cannot be read, or another's file stands at ``out``.
+    """
+    check_file_place(out)
+    dataset, methods = found_methods([estimates], folder, options.file_format, options.choices)
+    if len(methods) > 1:
+        raise ScenarioError(
+            f"expected one file with --estimates, got the folder {estimates} with "
+            f"{len(methods)}; to compare them: `rvbench compare {estimates}`"
+        )
+    comparison = compared(dataset, methods, options)
+    table = comparison_table(comparison)
+    write_comparison(out, table)
+    return comparison, table
+
+
+def write_outcome(
+    methods: Sequence[Path], dataset: Path | None, out: Path | None, options: CompareOptions
+) -> tuple[Comparison, dict[str, Path]]:
+    """Compare methods and write JSON and page; see ``compare_methods``.
+
+    Parameters
+    ----------
+    methods : sequence of Path
+    dataset : Path, optional
+    out : Path, optional
+        Folder; ``out/compare-CASE`` unless given.
+    options : CompareOptions
+
+    Returns
+    -------
+    Comparison, dict of str to Path
+        And the files, by what they are.
+
+    Raises
+    ------
+    RvbenchError
+        If something cannot be read, or the folder holds what is not ours.
+    """
+    if out is not None:
+        check_folder_place(out)
+    opened, found = found_methods(methods, dataset, options.file_format, options.choices)
+    check_number(found)
+    if out is None:
+        out = Path("out") / f"compare-{opened.info.case}"
+        check_folder_place(out)
+    comparison = compared(opened, found, options)
+    write_comparison(out / FILE_NAME, comparison_table(comparison))
+    write_comparison_page(out / PAGE_NAME, comparison)
+    return comparison, {"table:": out / FILE_NAME, "page: ": out / PAGE_NAME}
 
 
 def comparison_table(comparison: Comparison) -> dict[str, Any]:
