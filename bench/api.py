@@ -20,9 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
-    from bench.compare.comparison import Comparison
-    from bench.compare.leaderboard import RankBy
-    from bench.estimating.foreign_estimates.reading import FileFormat
+    from bench.compare.comparison import CompareChoices, Comparison
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
     from models.camera import Camera
@@ -66,20 +64,6 @@ class SweepOptions(TypedDict, total=False):
     store_budget_gb: float | None
     threads: int | None
     memory_gb: float
-
-
-class CompareChoices(TypedDict, total=False):
-    """What can be asked of a comparison; see ``bench.compare.comparison.CompareOptions``."""
-
-    rank_by: RankBy
-    file_format: FileFormat | None
-    scene: int | None
-    target: int | None
-    trajectory_of: Literal["camera", "target"]
-    vsd_px: int
-    seed: int
-    resamples: int
-    block_frames: int | None
 
 
 def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) -> None:
@@ -204,28 +188,16 @@ def score(folder: Path) -> dict[str, Any]:
 def score_estimates(
     folder: Path, estimates: Path, out: Path, **options: Unpack[CompareChoices]
 ) -> tuple[Comparison, dict[str, Any]]:
-    """Score a file of estimates made elsewhere; the dataset is only read.
+    """Score a file of estimates made elsewhere; see ``bench.compare.outcome.score_one``.
 
     Parameters
     ----------
     folder : Path
-        The dataset.
+        The dataset, which is only read.
     estimates : Path
-        BOP results, a SPEED submission, a TUM trajectory, or our own format.
     out : Path
         The score, JSON.
     **options
-        Format, and what it leaves open; see ``bench.compare.comparison.CompareOptions``.
-
-    Returns
-    -------
-    Comparison, dict
-        Of the one method, and what the file holds.
-
-    Raises
-    ------
-    RvbenchError
-        If estimates, dataset or truth cannot be read, or another's file stands at ``out``.
     """
     from bench.compare.comparison import compare_options
     from bench.compare.outcome import score_one
@@ -239,28 +211,15 @@ def compare(
     out: Path | None = None,
     **options: Unpack[CompareChoices],
 ) -> tuple[Comparison, dict[str, Path]]:
-    """Compare methods on the same frames into JSON and a page.
+    """Compare methods on the same frames; see ``bench.compare.outcome.write_outcome``.
 
     Parameters
     ----------
     methods : sequence of Path
         Files of estimates, or datasets for all estimates in them.
     dataset : Path, optional
-        That of the methods unless given.
     out : Path, optional
-        Folder; ``out/compare-CASE`` unless given.
     **options
-        Ranking, bootstrap, formats; see ``bench.compare.comparison.CompareOptions``.
-
-    Returns
-    -------
-    Comparison, dict of str to Path
-        And the files written.
-
-    Raises
-    ------
-    RvbenchError
-        Each says what to do; nothing is overwritten that is not ours.
     """
     from bench.compare.comparison import compare_options
     from bench.compare.outcome import write_outcome

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any, TypedDict, Unpack
 
 from bench.compare.bootstrap import Resampling
 from bench.compare.conditions import conditions, groups
@@ -47,36 +48,37 @@ class CompareOptions:
     vsd_px: int = VSD_PX
 
 
-def compare_options(
-    rank_by: RankBy = "speed",
-    file_format: FileFormat | None = None,
-    scene: int | None = None,
-    target: int | None = None,
-    trajectory_of: TrajectoryOf = "camera",
-    vsd_px: int = VSD_PX,
-    seed: int = 0,
-    resamples: int = 2000,
-    block_frames: int | None = None,
-) -> CompareOptions:
-    """Return options from what is typed, checked.
+class CompareChoices(TypedDict, total=False):
+    """The same as typed: those of ``CompareOptions``, ``Choices`` and ``Resampling`` by name."""
 
-    Parameters
-    ----------
-    rank_by, file_format, vsd_px : as for ``CompareOptions``
-    scene, target, trajectory_of : as for ``Choices``
-    seed, resamples, block_frames : as for ``Resampling``
+    rank_by: RankBy
+    file_format: FileFormat | None
+    vsd_px: int
+    scene: int | None
+    target: int | None
+    trajectory_of: TrajectoryOf
+    seed: int
+    resamples: int
+    block_frames: int | None
+
+
+def compare_options(**typed: Unpack[CompareChoices]) -> CompareOptions:
+    """Return options from what is typed, checked.
 
     Raises
     ------
     ScenarioError
         If one cannot be.
     """
+
+    def of(kind: type[Any]) -> dict[str, Any]:
+        names = {each.name for each in fields(kind)}
+        return {name: value for name, value in typed.items() if name in names}
+
     options = CompareOptions(
-        file_format,
-        Choices(scene, target, trajectory_of),
-        rank_by,
-        Resampling(seed, resamples, block_frames),
-        vsd_px,
+        **of(CompareOptions),
+        choices=Choices(**of(Choices)),
+        resampling=Resampling(**of(Resampling)),
     )
     check_options(options)
     return options

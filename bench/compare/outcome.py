@@ -46,7 +46,9 @@ def score_one(
 
     Raises
     ------
-    RvbenchError
+    ScenarioError
+        If the estimates are a folder with several.
+    DatasetError
         If something cannot be read, or another's file stands at ``out``.
     """
     check_file_place(out)

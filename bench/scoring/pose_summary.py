@@ -71,7 +71,7 @@ class PoseSummary:
         Of frames with a pose.
     speed : SpeedScore
     add_m, add_s_m, mssd_m, mspd_px : Sizes or None
-        Of frames with a pose; None where the target's shape is not known.
+        Of frames with a pose, infinite ones too; None where the target's shape is not known.
     vsd : list of float or None
         Mean for each tolerance, of frames with a pose.
     bop : BopScore or None
@@ -106,7 +106,7 @@ def pose_summary(view: TrueView, method: MethodMeasures) -> PoseSummary:
     vsd = [each.vsd for each in shapes if each.vsd is not None]
 
     def of_shape(name: str) -> Sizes | None:
-        return sizes([getattr(each, name) for each in shapes]) if known else None
+        return _sizes([getattr(each, name) for each in shapes]) if known else None
 
     return PoseSummary(
         frames=len(frames),
@@ -125,6 +125,15 @@ def pose_summary(view: TrueView, method: MethodMeasures) -> PoseSummary:
         bop=_bop(view, method) if known else None,
         recall=recalls(errors_of(view, method)),
     )
+
+
+def _sizes(values: list[float]) -> Sizes:
+    """Summarise sizes of which some may be infinite; a number that is then infinite is None."""
+    if np.isfinite(values).all():
+        return sizes(values)
+    ends = np.quantile(values, [0.5, 0.95], method="inverted_cdf")
+    median, p95 = (float(end) if np.isfinite(end) else None for end in ends)
+    return Sizes(median, p95, None)
 
 
 def errors_of(view: TrueView, method: MethodMeasures) -> Errors:

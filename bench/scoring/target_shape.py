@@ -15,7 +15,9 @@ from models.dataset.dataset import Dataset
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
 from models.wireframe.wireframe import Wireframe
 
-POINTS = 4096  # spread over the surface; ADD of a turn is then within 1 % of the surface's own
+SPREAD_POINTS = (
+    4096  # spread over the surface; ADD of a turn is then within 1 % of the surface's own
+)
 PLASTIC = 1.32471795724474602596  # Roberts 2018: the plane's least discrepant steps
 
 
@@ -49,7 +51,7 @@ class TargetShape:
     @cached_property
     def spread(self) -> Floats:
         """(4096, 3) array, m: points spread evenly over the surface."""
-        return spread_points(self.vertices[self.faces], POINTS)
+        return spread_points(self.vertices[self.faces], SPREAD_POINTS)
 
     @cached_property
     def points(self) -> Floats:

@@ -29,7 +29,7 @@ NAMES: dict[FileFormat, str] = {
 }
 LOOKED_AT_BYTES = 65_536
 MOST_LINE_CHARACTERS = 100_000
-_NUMBERS = re.compile(r"[-+.\deE]+(?:[ \t]+[-+.\deE]+){7}", re.ASCII)
+_EIGHT_APART = re.compile(r"[-+.\deE]+(?:[ \t]+[^\s,]+){7}", re.ASCII)  # the first a number
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ def recognised_format(path: Path) -> FileFormat:
         return "rvbench"
     if first.replace(" ", "") == bop_results.HEADER:
         return "bop"
-    if _NUMBERS.fullmatch(first):
+    if _EIGHT_APART.fullmatch(first):
         return "tum"
     if len(first.split(",")) == len(speed_submission.COLUMNS):
         return "speed"

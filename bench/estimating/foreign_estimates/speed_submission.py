@@ -36,7 +36,7 @@ def read_speed_submission(lines: list[str], said: SaidPoses) -> None:
 
     Raises
     ------
-    DatasetError
+    UnreadableError, DatasetError
         If a row cannot be, is of no frame, or of one that came before.
     """
     frames = frames_by_name(said.dataset)

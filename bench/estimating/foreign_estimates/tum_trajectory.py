@@ -41,7 +41,7 @@ def read_tum_trajectory(lines: list[str], said: SaidPoses, choices: Choices) -> 
 
     Raises
     ------
-    DatasetError
+    UnreadableError, DatasetError
         If a row cannot be, its time is that of no frame, or that of a row before.
     """
     times_s = np.array([entry.time_s for entry in said.dataset.entries])

@@ -92,7 +92,7 @@ def vsd(
     taus: Sequence[float] = SHARES,
     delta_m: float = VSD_DELTA_M,
 ) -> Floats:
-    """Return the visible surface discrepancy for each tolerance, (len(taus),): 0 right, 1 wrong.
+    """Return the visible surface discrepancy for each of n tolerances, (n,): 0 right, 1 wrong.
 
     The share of pixels, of all where the target is visible at either pose, where it is visible at
     one alone or the two distances differ by ``tau`` or more. Distances are along the rays, 0 where
