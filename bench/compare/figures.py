@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -34,8 +36,8 @@ def standing_figure(comparison: Comparison) -> str:
             unit = f", {MEASURES[name].unit}" if MEASURES[name].unit else ""
             panel.set_title(MEASURES[name].title + unit)
             panel.set_yticks(range(len(labels)), labels)
-            if name != "ar" and all((s.values[name].value or 0.0) > 0.0 for s in standings):
-                panel.set_xscale("log")
+            if name != "ar":
+                _logarithmic(panel, "x")
         panels[0].invert_yaxis()
 
     return drawn_svg(draw, (11.0, 1.2 + 0.32 * len(labels)))
@@ -57,7 +59,7 @@ def recall_figure(comparison: Comparison) -> str:
                 panel.step(x, y, where="post", lw=1.4, color=colour, label=each.label)
         for panel, title in zip(panels, titles, strict=True):
             panel.set_title(title)
-            panel.set_xscale("log")
+            _logarithmic(panel, "x")
             panel.set_ylim(0.0, 1.02)
             panel.set_xlabel("error less than")
         panels[0].set_ylabel("share of all frames")
@@ -95,12 +97,19 @@ def condition_figure(comparison: Comparison) -> str:
                 panel.plot(values[lost], scores[lost], "x", ms=5.0, color=colour)
         for panel, (_, title) in zip(panels, axes, strict=True):
             panel.set_xlabel(title, color=INK)
-            panel.set_yscale("log")
+            _logarithmic(panel, "y")
         panels[0].set_ylabel("SPEED score of the frame")
         handles, names = panels[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=min(6, len(names)))
 
     return drawn_svg(draw, (11.0, 3.4))
+
+
+def _logarithmic(panel: Any, along: str) -> None:
+    """Draw an axis by powers of ten, where anything on it is above zero."""
+    drawn = [line.get_data()["xy".index(along)] for line in panel.lines]
+    if any((np.asarray(values, dtype=np.float64) > 0.0).any() for values in drawn):
+        panel.set(**{f"{along}scale": "log"})
 
 
 def _drawn(value: Value) -> tuple[float, float]:

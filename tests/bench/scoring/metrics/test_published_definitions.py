@@ -43,9 +43,7 @@ CLOUD = np.random.default_rng(3).uniform(-1.5, 1.5, (40, 3))
 
 def moved(pose: RigidTransform, point: np.ndarray) -> list[float]:
     matrix = pose.matrix()
-    return [
-        sum(matrix[row, k] * point[k] for k in range(3)) + matrix[row, 3] for row in range(3)
-    ]
+    return [sum(matrix[row, k] * point[k] for k in range(3)) + matrix[row, 3] for row in range(3)]
 
 
 def seen(point: list[float]) -> list[float]:
