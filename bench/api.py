@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
-    from bench.compare.comparison import CompareChoices, Comparison
+    from bench.compare.comparison import Comparison
+    from bench.compare.options import CompareChoices
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
     from models.camera import Camera
@@ -188,7 +189,7 @@ def score(folder: Path) -> dict[str, Any]:
 def score_estimates(
     folder: Path, estimates: Path, out: Path, **options: Unpack[CompareChoices]
 ) -> tuple[Comparison, dict[str, Any]]:
-    """Score a file of estimates made elsewhere; see ``bench.compare.outcome.score_one``.
+    """Score a file of estimates made elsewhere; see ``bench.compare.run.score_one``.
 
     Parameters
     ----------
@@ -199,8 +200,8 @@ def score_estimates(
         The score, JSON.
     **options
     """
-    from bench.compare.comparison import compare_options
-    from bench.compare.outcome import score_one
+    from bench.compare.options import compare_options
+    from bench.compare.run import score_one
 
     return score_one(folder, estimates, out, compare_options(**options))
 
@@ -211,7 +212,7 @@ def compare(
     out: Path | None = None,
     **options: Unpack[CompareChoices],
 ) -> tuple[Comparison, dict[str, Path]]:
-    """Compare methods on the same frames; see ``bench.compare.outcome.write_outcome``.
+    """Compare methods on the same frames; see ``bench.compare.run.write_outcome``.
 
     Parameters
     ----------
@@ -221,8 +222,8 @@ def compare(
     out : Path, optional
     **options
     """
-    from bench.compare.comparison import compare_options
-    from bench.compare.outcome import write_outcome
+    from bench.compare.options import compare_options
+    from bench.compare.run import write_outcome
 
     return write_outcome(methods, dataset, out, compare_options(**options))
 

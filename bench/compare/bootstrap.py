@@ -62,9 +62,15 @@ def mean(values: Floats) -> Floats:
 
 
 def median(values: Floats) -> Floats:
-    """Return the median of each row of (k, n) values, (k,); the lower of the two middle ones."""
-    middle = (values.shape[1] - 1) // 2  # so that half of the frames lost is not infinite
-    return np.asarray(np.partition(values, middle, axis=1)[:, middle])
+    """Return the median of each row of (k, n) values, (k,).
+
+    Of the two middle ones of an even number the mean; the lower one where the other is infinite, so
+    that a half of the frames lost is not as bad as all.
+    """
+    low, high = (values.shape[1] - 1) // 2, values.shape[1] // 2
+    ordered = np.partition(values, (low, high), axis=1)
+    below, above = ordered[:, low], ordered[:, high]
+    return np.where(np.isinf(above), below, 0.5 * (below + above))
 
 
 def resampled(values: Floats, statistic: Statistic, how: Resampling) -> Floats:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Literal, TypeAlias
 
 import numpy as np
 
 from bench.compare.bootstrap import Resampling, Statistic, interval, mean, median, resampled
 from bench.compare.conditions import Group
+from bench.compare.options import RankBy
 from bench.scoring.pose_measures import MethodMeasures
 from bench.scoring.pose_summary import bop_recalls, errors_of
 from bench.scoring.true_view import TrueView
 from models.arrays import Floats
-
-RankBy: TypeAlias = Literal["speed", "position", "attitude", "ar"]
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
-"""Compare and write it down: JSON with every number and every frame, and the page."""
+"""A comparison as JSON: every number of the tables, what it was made of, and every frame."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
-from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -12,92 +13,17 @@ from typing import Any
 import numpy as np
 
 from bench.compare.bootstrap import CONFIDENCE
-from bench.compare.comparison import CompareOptions, Comparison, check_number, compared
+from bench.compare.comparison import Comparison
 from bench.compare.conditions import conditions
-from bench.compare.methods import found_methods
-from bench.compare.page import write_comparison_page
+from bench.compare.leaderboard import Value
+from bench.compare.outcome_place import FORMAT
 from bench.scoring.core_score import core_score
 from bench.scoring.metrics import bop, speed
 from bench.scoring.pose_measures import FrameMeasures, MethodMeasures
 from bench.scoring.score import plain, rounded
 from models.atomic_file import write_text
-from models.errors import DatasetError, ScenarioError, UnreadableError
-from models.output_folder import check_empty, check_place
-from models.reading.json_file import read_json_table
 
-FORMAT, VERSION = "rvbench-comparison", 1
-FILE_NAME, PAGE_NAME = "comparison.json", "comparison.html"
-MOST_BYTES = 4_000_000_000
-
-
-def score_one(
-    folder: Path, estimates: Path, out: Path, options: CompareOptions
-) -> tuple[Comparison, dict[str, Any]]:
-    """Score one file of estimates against a dataset.
-
-    Parameters
-    ----------
-    folder : Path
-        The dataset; it is only read.
-    estimates : Path
-    out : Path
-        The score.
-    options : CompareOptions
-
-    Raises
-    ------
-    ScenarioError
-        If the estimates are a folder with several.
-    DatasetError
-        If something cannot be read, or another's file stands at ``out``.
-    """
-    check_file_place(out)
-    dataset, methods = found_methods([estimates], folder, options.file_format, options.choices)
-    if len(methods) > 1:
-        raise ScenarioError(
-            f"expected one file with --estimates, got the folder {estimates} with "
-            f"{len(methods)}; to compare them: `rvbench compare {estimates}`"
-        )
-    comparison = compared(dataset, methods, options)
-    table = comparison_table(comparison)
-    write_comparison(out, table)
-    return comparison, table
-
-
-def write_outcome(
-    methods: Sequence[Path], dataset: Path | None, out: Path | None, options: CompareOptions
-) -> tuple[Comparison, dict[str, Path]]:
-    """Compare methods and write JSON and page; see ``compare_methods``.
-
-    Parameters
-    ----------
-    methods : sequence of Path
-    dataset : Path, optional
-    out : Path, optional
-        Folder; ``out/compare-CASE`` unless given.
-    options : CompareOptions
-
-    Returns
-    -------
-    Comparison, dict of str to Path
-        And the files, by what they are.
-
-    Raises
-    ------
-    RvbenchError
-        If something cannot be read, or the folder holds what is not ours.
-    """
-    if out is not None:
-        check_folder_place(out)
-    opened, found = found_methods(methods, dataset, options.file_format, options.choices)
-    check_number(found)
-    if out is None:
-        out = Path("out") / f"compare-{opened.info.case}"
-        check_folder_place(out)
-    comparison = compared(opened, found, options)
-    write_comparison(out / FILE_NAME, comparison_table(comparison))
-    write_comparison_page(out / PAGE_NAME, comparison)
-    return comparison, {"table:": out / FILE_NAME, "page: ": out / PAGE_NAME}
+VERSION = 1
 
 
 def comparison_table(comparison: Comparison) -> dict[str, Any]:
@@ -137,42 +63,30 @@ def write_comparison(path: Path, table: dict[str, Any]) -> None:
     write_text(path, json.dumps(table, indent=1, allow_nan=False) + "\n")
 
 
-def check_file_place(path: Path) -> None:
-    """Refuse a place where a folder stands, or a file that is no comparison of ours.
+def standings_csv(comparison: Comparison) -> str:
+    """Return the leaderboard as CSV: of all frames, then of each group of like conditions.
 
-    Raises
-    ------
-    DatasetError, StorageError
-        Nothing was changed.
+    A number that is infinite, for half of the frames are lost, is an empty cell.
     """
-    check_place(path.parent)
-    if not path.exists() and not path.is_symlink():
-        return
-    try:
-        ours = read_json_table(path, MOST_BYTES).get("format") == FORMAT
-    except UnreadableError:
-        ours = False
-    if not ours:
-        raise DatasetError(
-            f"expected a comparison of ours or nothing at {path}, found what rvbench did not make; "
-            "nothing was changed: choose another --out, or move it away"
-        )
+    measures = list(comparison.board.standings[0].values)
+    ends = [f"{name}{end}" for name in measures for end in ("", "_low", "_high")]
+    rows: list[list[Any]] = [["by", "low", "high", "method", "frames", "lost", *ends]]
+    summaries = comparison.summaries
+    for own in comparison.board.standings:
+        frames = summaries[own.label].frames
+        lost = frames - summaries[own.label].estimated
+        rows.append(["", "", "", own.label, frames, lost, *_cells(own.values)])
+    for each in comparison.board.groups:
+        place = [each.by, each.low, each.high, each.label, each.frames, each.lost]
+        rows.append([*place, *_cells(each.values)])
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(rows)
+    return stream.getvalue()
 
 
-def check_folder_place(out: Path) -> None:
-    """Refuse a folder that holds what no comparison of ours has made.
-
-    Raises
-    ------
-    DatasetError, StorageError
-        Nothing was changed.
-    """
-    check_place(out)
-    own: set[str] = set()
-    if (out / FILE_NAME).exists():
-        check_file_place(out / FILE_NAME)
-        own = {FILE_NAME, PAGE_NAME}
-    check_empty(out, "a comparison that rvbench made", own=own)
+def _cells(values: dict[str, Value]) -> list[str]:
+    numbers = [each for own in values.values() for each in (own.value, *own.interval)]
+    return ["" if each is None else f"{each:.9g}" for each in numbers]
 
 
 def _as_dicts(table: dict[str, Any]) -> dict[str, Any]:
@@ -197,7 +111,10 @@ def _made_by(comparison: Comparison) -> dict[str, Any]:
         told |= {
             "diameter_m": shape.diameter_m,
             "symmetries": len(shape.symmetries),
-            "points": {"spread": len(shape.spread), "corners_of_the_hull": len(shape.corners)},
+            "model_points": {
+                "spread": len(shape.spread),
+                "corners_of_the_hull": len(shape.corners),
+            },
         }
     if view.grid is not None:
         told["vsd"] = {

@@ -23,7 +23,8 @@ def write_comparison_page(path: Path, comparison: Comparison) -> None:
     info, board = comparison.view.dataset.info, comparison.board
     ranges = conditions(comparison.view).range_m
     frames = len(comparison.view.dataset.entries)
-    span = f"{number(float(ranges.min()))} to {number(float(ranges.max()))} m"
+    near, far = number(float(ranges.min())), number(float(ranges.max()))
+    span = f"{near} to {far} m" if near != far else f"at {near} m"
     page = Page(
         title=f"{info.case}, {len(comparison.methods)} methods",
         heading=f"{len(comparison.methods)} methods on {info.case}",

@@ -58,9 +58,6 @@ class Compare:
 
     def run(self) -> int:
         """Compare."""
-        from bench.compare.tables import pair_table, standing_table
-        from bench.report.summary import print_table
-
         comparison, files = api.compare(
             self.methods,
             self.dataset,
@@ -75,6 +72,9 @@ class Compare:
             resamples=self.resamples,
             block_frames=self.block_frames,
         )
+        from bench.compare.tables import pair_table, standing_table
+        from bench.report.summary import print_table
+
         console = plain_console()
         frames = len(comparison.view.dataset.entries)
         print_table(
@@ -87,5 +87,5 @@ class Compare:
             for remark in method.remarks:
                 print(f"{method.label}: {remark}")
         for what, path in files.items():
-            print(f"{what} {path.resolve()}")
+            print(f"{what + ':':<6} {path.resolve()}")
         return DONE

@@ -83,9 +83,6 @@ class Score:
         return self._verdict(label, scored["pipelines"][label]["core"])
 
     def _score_file(self, path: Path) -> int:
-        from bench.compare.tables import recall_table, summary_table
-        from bench.report.summary import print_table
-
         out = self.out or path.with_name(f"{path.stem}.score.json")
         comparison, table = api.score_estimates(
             self.folder,
@@ -97,6 +94,9 @@ class Score:
             trajectory_of=self.trajectory_of,
             vsd_px=self.vsd_px,
         )
+        from bench.compare.tables import recall_table, summary_table
+        from bench.report.summary import print_table
+
         (method,) = comparison.methods
         console = plain_console()
         print_table(console, summary_table(comparison), f"{path.name} on {self.folder}")

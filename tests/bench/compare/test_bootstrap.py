@@ -60,6 +60,8 @@ def test_methods_are_drawn_alike_so_that_differences_are_paired():
 def test_a_median_of_lost_frames_is_infinite_beyond_half():
     half, more = np.array([[1.0, 2.0, np.inf, np.inf]]), np.array([[1.0, np.inf, np.inf]])
     assert median(half)[0] == 2.0
+    whole = np.random.default_rng(0).normal(size=(3, 8))
+    assert median(whole) == pytest.approx(np.median(whole, axis=1))
     assert median(more)[0] == np.inf
     low, high = interval(resampled(more[0], median, Resampling()))
     assert (low, high) == (1.0, np.inf)

@@ -1,5 +1,6 @@
 """Methods side by side: who is better, whether the frames can tell, and where."""
 
+import csv
 import json
 import re
 import shutil
@@ -43,7 +44,8 @@ def files(tumble, tmp_path_factory):
 def compared(tumble, files, tmp_path_factory):
     out = tmp_path_factory.mktemp("compared") / "out"
     _, paths = api.compare(files, tumble.folder, out, vsd_px=32, resamples=300)
-    assert {path.name for path in paths.values()} == {"comparison.json", "comparison.html"}
+    names = {"comparison.json", "comparison.csv", "comparison.html"}
+    assert {path.name for path in paths.values()} == names
     return out
 
 
@@ -90,9 +92,20 @@ def test_what_it_was_made_of_is_recorded(table, files):
     assert all(row["tumble_deg_s"] > 0.0 and 0.0 <= row["phase_deg"] <= 180.0 for row in rows)
 
 
+def test_the_table_says_what_the_json_says(compared, table):
+    rows = list(csv.DictReader((compared / "comparison.csv").read_text().splitlines()))
+    assert [row["method"] for row in rows[:3]] == ["exact", "far", "near"]
+    for row, standing in zip(rows, table["standings"], strict=False):
+        assert row["by"] == ""
+        assert float(row["speed"]) == standing["values"]["speed"]["value"]
+        assert float(row["ar_high"]) == standing["values"]["ar"]["interval"][1]
+    assert len(rows) == 3 + len(table["groups"])
+    assert [int(row["lost"]) for row in rows[:3]] == [0, 0, 1]
+
+
 def test_the_same_again_is_the_same_bytes(tumble, files, compared, tmp_path):
     api.compare(files, tumble.folder, tmp_path / "again", vsd_px=32, resamples=300)
-    for name in ("comparison.json", "comparison.html"):
+    for name in ("comparison.json", "comparison.csv", "comparison.html"):
         assert (tmp_path / "again" / name).read_bytes() == (compared / name).read_bytes()
 
 
