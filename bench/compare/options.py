@@ -87,7 +87,8 @@ def check_number(methods: Sequence[Method]) -> None:
     """
     if len(methods) < 2:
         raise ScenarioError(
-            f"expected at least two methods to compare, got {methods[0].label} alone; "
+            "expected at least two methods to compare, files of estimates or datasets, got "
+            f"{methods[0].label if methods else 'none'}; "
             "for one: `rvbench score DATASET --estimates FILE`"
         )
 

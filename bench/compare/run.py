@@ -82,6 +82,8 @@ def write_outcome(
     RvbenchError
         If something cannot be read, or the folder holds what is not ours.
     """
+    if not methods:
+        check_number([])
     if out is not None:
         check_folder_place(out)
     opened, found = found_methods(methods, dataset, options.file_format, options.choices)

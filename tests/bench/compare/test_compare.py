@@ -159,8 +159,9 @@ def test_what_is_not_of_the_same_frames_is_refused(tumble, files, tmp_path):
         api.compare([other.folder, files[0]], tumble.folder, tmp_path / "out")
     with pytest.raises(DatasetError, match="name it with --dataset DIR"):
         api.compare(files, None, tmp_path / "out")
-    with pytest.raises(ScenarioError, match="expected at least two methods"):
-        api.compare(files[:1], tumble.folder, tmp_path / "out")
+    for few in (files[:1], []):
+        with pytest.raises(ScenarioError, match="expected at least two methods"):
+            api.compare(few, tumble.folder, tmp_path / "out")
     with pytest.raises(DatasetError, match="with no estimates"):
         api.compare([tumble.folder, files[0]], None, tmp_path / "out")
     with pytest.raises(ScenarioError, match="--vsd-px above 0 with --rank-by ar"):
@@ -217,3 +218,50 @@ def test_frames_are_grouped_by_their_conditions():
     ranges = [group.frames.sum() for group in found if group.by == "range"]
     assert ranges == [6, 6, 6, 6]
     assert groups(Conditions(np.array([1.0, 2.0]), None, None)) == []
+
+
+def with_target(tumble, folder, name: str, **wireframe) -> None:
+    """Copy a dataset for a target of another name, with other keys in its wireframe."""
+    shutil.copytree(tumble.folder, folder)
+    for file, changes in (("dataset.json", {"target": name}), ("wireframe.json", wireframe)):
+        told = json.loads((folder / file).read_text())
+        (folder / file).write_text(json.dumps({**told, **changes}))
+
+
+def test_a_target_of_unknown_shape_has_the_measures_that_need_none(tumble, files, tmp_path):
+    folder = tmp_path / "data"
+    with_target(tumble, folder, "mine", triangles_in_target_m=[])
+    api.compare(files, folder, tmp_path / "out", resamples=200)
+    told = json.loads((tmp_path / "out" / "comparison.json").read_text())
+    assert told["made_by"]["shape"] is None
+    own = told["methods"]["far"]["measures"]
+    assert (own["add_m"], own["bop"], own["vsd"]) == (None, None, None)
+    assert own["speed"]["score"] == pytest.approx(0.01, rel=1e-3)
+    assert not any("ADD" in each["what"] for each in own["recall"])
+    with pytest.raises(DatasetError, match="whose shape is known for --rank-by ar"):
+        api.compare(files, folder, tmp_path / "two", rank_by="ar")
+
+
+def test_a_target_of_ones_own_has_the_shape_and_the_symmetries_of_its_wireframe(tumble, tmp_path):
+    half_turn = np.diag([-1.0, -1.0, 1.0])
+    folder = tmp_path / "data"
+    with_target(tumble, folder, "mine", symmetries=[half_turn.tolist()])
+
+    def turned(pose: RigidTransform) -> RigidTransform:
+        return RigidTransform(pose.rotation @ half_turn, pose.translation)
+
+    path = write_bop(tmp_path / "turned.csv", said_truth(tumble, turned))
+    _, table = api.score_estimates(folder, path, tmp_path / "out.json", vsd_px=0)
+    assert table["made_by"]["shape"] == "data/wireframe.json"
+    assert table["made_by"]["symmetries"] == 1
+    own = table["methods"]["turned"]["measures"]
+    assert own["bop"]["ar_mssd"] == own["bop"]["ar_mspd"] == 1.0
+    assert own["attitude_error_deg"]["median"] == pytest.approx(180.0)
+    assert own["add_m"]["median"] > 1.0  # ADD knows no symmetry
+
+
+def test_a_single_frame_is_compared(tmp_path):
+    one = write_images(tmp_path / "one", 1, width_px=64)
+    paths = [write_bop(tmp_path / f"{name}.csv", said_truth(one)) for name in "ab"]
+    _, files = api.compare(paths, one.folder, tmp_path / "out", vsd_px=32, resamples=100)
+    assert all(path.is_file() for path in files.values())
