@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
+    from bench.compare.comparison import Comparison
+    from bench.compare.options import CompareChoices
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
     from models.camera import Camera
@@ -183,6 +185,48 @@ def score(folder: Path) -> dict[str, Any]:
     from bench.scoring.score import score_dataset
 
     return score_dataset(folder)
+
+
+def score_estimates(
+    folder: Path, estimates: Path, out: Path, **options: Unpack[CompareChoices]
+) -> tuple[Comparison, dict[str, Any]]:
+    """Score a file of estimates made elsewhere; see ``bench.compare.run.score_one``.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset, which is only read.
+    estimates : Path
+    out : Path
+        The score, JSON.
+    **options
+    """
+    from bench.compare.options import compare_options
+    from bench.compare.run import score_one
+
+    return score_one(folder, estimates, out, compare_options(**options))
+
+
+def compare(
+    methods: Sequence[Path],
+    dataset: Path | None = None,
+    out: Path | None = None,
+    **options: Unpack[CompareChoices],
+) -> tuple[Comparison, dict[str, Path]]:
+    """Compare methods on the same frames; see ``bench.compare.run.write_outcome``.
+
+    Parameters
+    ----------
+    methods : sequence of Path
+        Files of estimates, or datasets for all estimates in them.
+    dataset : Path, optional
+    out : Path, optional
+    **options
+    """
+    from bench.compare.options import compare_options
+    from bench.compare.run import write_outcome
+
+    return write_outcome(methods, dataset, out, compare_options(**options))
 
 
 def report(folder: Path) -> Path:

@@ -18,9 +18,11 @@ from typing import Annotated, Any, NoReturn, Union
 import tyro
 
 from bench import verbs
+from bench.compare.verb import Compare
 from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
+from bench.scoring.verb import Score
 from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
@@ -34,7 +36,8 @@ VERBS: dict[str, type[Any]] = {
     "sweep": Sweep,
     "suite": Suite,
     "estimate": verbs.Estimate,
-    "score": verbs.Score,
+    "score": Score,
+    "compare": Compare,
     "report": verbs.Report,
     "show": verbs.Show,
     "inspect": Inspect,

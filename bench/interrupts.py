@@ -34,6 +34,7 @@ WHAT_IS_KEPT = {
     "suite": f"{GOES_ON}; what was in hand is done again",
     "estimate": STARTS_OVER,
     "score": "score.json is as it was before, or new and whole",
+    "compare": "each file of the comparison is as it was before, or new and whole",
     "report": "report.html is as it was before, or new and whole",
     "show": "the picture is as it was before, or new and whole",
     "store": "every entry that was not deleted is whole",

@@ -14,10 +14,8 @@ from tyro.conf import Positional, arg
 from bench import api
 from models.errors import ScenarioError
 from models.plain_console import plain_console
-from models.reading.options import check_option
 
 DONE, WORSE = 0, 1
-MOST_LIMIT_MM = 1e9  # a gate that always passes is none
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -111,7 +109,7 @@ class Run(Render):
     def run(self) -> int:
         """Do the whole job."""
         scored = api.run(self.case, self.out, seeds=self.seeds, **self.options())
-        _print_summary(scored)
+        print_score(scored)
         print(f"score:  {self.out / 'score.json'}")
         print(f"report: {(self.out / 'report.html').resolve()}")
         return DONE
@@ -221,33 +219,6 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Score:
-    """Score the estimates of a dataset against its truth.
-
-        rvbench score out/demo
-        rvbench score out/demo --fail-above-mm 1.0
-
-    What each number of score.json means is told by the report.
-    """
-
-    folder: Positional[Folder]
-    """a dataset with its truth half and estimates"""
-    fail_above_mm: OptionalNumber = None
-    """exit with 1 if 5 % of the position errors of `best` exceed this, in mm, or a frame is
-    missed"""
-
-    def run(self) -> int:
-        """Score."""
-        check_option("--fail-above-mm", self.fail_above_mm, 0.0, MOST_LIMIT_MM)
-        scored = api.score(self.folder)
-        _print_summary(scored)
-        print(f"score: {self.folder / 'score.json'}")
-        if self.fail_above_mm is None:
-            return DONE
-        return _verdict(scored, self.fail_above_mm)
-
-
-@dataclass(frozen=True)
 class Report:
     """Write one HTML file that shows what was run and how wrong it was.
 
@@ -324,22 +295,9 @@ class Doctor:
         return doctor()
 
 
-def _print_summary(scored: dict[str, Any]) -> None:
+def print_score(scored: dict[str, Any]) -> None:
+    """Print a score's headline table."""
     from bench.chains.catalogue import chain_named
     from bench.report.summary import print_summary
 
     print_summary(plain_console(), scored, chain_named(scored["chain"]).headline(scored))
-
-
-def _verdict(scored: dict[str, Any], limit_mm: float) -> int:
-    label = "best" if "best" in scored["pipelines"] else next(iter(scored["pipelines"]))
-    core = scored["pipelines"][label]["core"]
-    p95_mm, missed = core["position_error_mm"]["p95"], core["lost"]["missed"]
-    if p95_mm is None or p95_mm > limit_mm or missed:
-        said = "no pose at all" if p95_mm is None else f"{p95_mm:.3g} mm"
-        print(
-            f"worse than asked: {label} has a 95th percentile of {said} against "
-            f"{limit_mm:g} mm, and {missed} missed frames"
-        )
-        return WORSE
-    return DONE

@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from glob import escape
 from pathlib import Path
@@ -142,6 +143,44 @@ def found_runs(folder: Path, variant: str) -> list[int]:
     return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
 
 
+def by_frame(
+    dataset: Dataset, said: Iterable[Estimate], path: Path, mend: str
+) -> dict[int, Estimate]:
+    """Return estimates by frame, held against the dataset's frames.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    said : iterable of Estimate
+    path : Path
+        Their file, for messages.
+    mend : str
+        What to do.
+
+    Raises
+    ------
+    DatasetError
+        If they are not one for every frame, of its time.
+    """
+    estimates = {estimate.frame: estimate for estimate in said}
+    wanted = set(dataset.indices)
+    if set(estimates) != wanted:
+        missing, extra = sorted(wanted - set(estimates)), sorted(set(estimates) - wanted)
+        raise DatasetError(
+            f"{path}: expected one estimate for each of the {len(wanted)} frames; "
+            f"{len(missing)} missing{f' (first: {missing[0]})' if missing else ''}, "
+            f"{len(extra)} of no frame{f' (first: {extra[0]})' if extra else ''}; {mend}"
+        )
+    for entry in dataset.entries:
+        said_s = estimates[entry.index].time_s
+        if abs(said_s - entry.time_s) > SAME_INSTANT_S:
+            raise DatasetError(
+                f"{path}: expected an estimate of frame {entry.index} at {entry.time_s} s, as "
+                f"frames.csv has it, got one at {said_s} s; {mend}"
+            )
+    return estimates
+
+
 def read_run(dataset: Dataset, number: int, label: str) -> Run:
     """Read a run and hold it against the dataset's frames.
 
@@ -168,23 +207,9 @@ def read_run(dataset: Dataset, number: int, label: str) -> Run:
     fingerprint = dataset.fingerprint()
     if read_stamp(folder, number).get("dataset", fingerprint) != fingerprint:
         raise DatasetError(f"{path}: expected estimates of this dataset, got another's; {mend}")
-    estimates = {estimate.frame: estimate for estimate in read_estimates(path)}
-    wanted = set(dataset.indices)
-    if set(estimates) != wanted:
-        missing, extra = sorted(wanted - set(estimates)), sorted(set(estimates) - wanted)
-        raise DatasetError(
-            f"{path}: expected one estimate for each of the {len(wanted)} frames; "
-            f"{len(missing)} missing{f' (first: {missing[0]})' if missing else ''}, "
-            f"{len(extra)} of no frame{f' (first: {extra[0]})' if extra else ''}; "
-            f"the frames have changed since: {mend}"
-        )
-    for entry in dataset.entries:
-        said_s = estimates[entry.index].time_s
-        if abs(said_s - entry.time_s) > SAME_INSTANT_S:
-            raise DatasetError(
-                f"{path}: expected an estimate of frame {entry.index} at {entry.time_s} s, as "
-                f"frames.csv has it, got one at {said_s} s; the frames have changed since: {mend}"
-            )
+    estimates = by_frame(
+        dataset, read_estimates(path), path, f"the frames have changed since: {mend}"
+    )
     try:
         spent = read_runtimes(runtimes_path(folder, number, label))
     except DatasetError as error:

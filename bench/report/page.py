@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -9,15 +11,78 @@ import jinja2
 
 from bench.estimating.runs import PREFERRED
 from bench.pictures.frame_record import FrameRecords
-from bench.report.filmstrip import HERO_WIDTH_PX, filmstrip, picture
-from bench.report.parts import ReportInput, Section, TitledTable
+from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
+from bench.report.parts import Card, ReportInput, Section, TitledTable
 from bench.report.scenario_tables import scenario_tables
-from bench.report.table import TITLES, check_table, lost_table, title_of
+from bench.report.table import TITLES, Table, check_table, lost_table, title_of
 from bench.scoring.score import read_score, shown_labels
 from models.atomic_file import write_text
+from models.camera import Camera
 from models.errors import DatasetError
 
 TEMPLATE = "page.html.jinja"
+
+
+@dataclass(frozen=True)
+class Page:
+    """What stands on a page, in its order.
+
+    Attributes
+    ----------
+    title : str
+        Of the window.
+    heading, lead : str
+    label : str
+        Of whom the cards are.
+    cards : sequence of Card
+    headline_title : str
+    headline : Table
+        Its terms are told at the end of the page.
+    before, after, later : sequence of Section
+        Before and after that table, and after the frames.
+    facts : sequence of (str, str)
+        What was run.
+    hero : Picture or None
+        The picture at the top.
+    hero_words : str
+    frames : sequence of Picture
+    marks : str
+        What is drawn on them.
+    explained : bool
+        Whether ``paper`` and ``best`` are told of.
+    scenario : dict
+        Its tables.
+    """
+
+    title: str
+    heading: str
+    lead: str
+    label: str
+    cards: Sequence[Card]
+    headline_title: str
+    headline: Table
+    before: Sequence[Section] = ()
+    after: Sequence[Section] = ()
+    later: Sequence[Section] = ()
+    facts: Sequence[tuple[str, str]] = ()
+    hero: Picture | None = None
+    hero_words: str = ""
+    frames: Sequence[Picture] = ()
+    marks: str = ""
+    explained: bool = False
+    scenario: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+
+def write_page(path: Path, page: Page) -> None:
+    """Write a page, whole or not at all."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    write_text(path, environment.get_template(TEMPLATE).render(vars(page)))
 
 
 def write_report(folder: Path) -> Path:
@@ -34,20 +99,12 @@ def write_report(folder: Path) -> Path:
         If the dataset or its score is missing, they do not belong together, or a frame cannot be
         read.
     """
-    score = read_score(folder)
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     path = folder / "report.html"
-    write_text(path, environment.get_template(TEMPLATE).render(_context(folder, score)))
+    write_page(path, _report(folder, read_score(folder)))
     return path
 
 
-def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
+def _report(folder: Path, score: dict[str, Any]) -> Page:
     label = PREFERRED if PREFERRED in score["pipelines"] else shown_labels(score)[0]
     records = FrameRecords(folder, label)
     rows = score["pipelines"][label]["per_frame"]
@@ -68,19 +125,41 @@ def _context(folder: Path, score: dict[str, Any]) -> dict[str, Any]:
         tables=(TitledTable("Frames without a pose", lost_table(score), wide=True),),
         nothing="None.",
     )
-    return {
-        "info": info,
-        "score": score,
-        "label": title_of(label),
-        "parts": parts,
-        "before": [*parts.before, *([] if checks.is_empty else [checks])],
-        "later": [*parts.later, lost],
-        "hero": picture(records, parts.hero, HERO_WIDTH_PX),
-        "frames": filmstrip(records, parts.shown),
-        "marks": ". ".join(each.capitalize() for each in (chain.legend, chain.greys) if each),
-        "span_s": [rows[place]["time_s"] for place in (0, -1)],
-        "camera": records.onboard.camera,
-        "explained": set(TITLES) <= set(score["pipelines"]),
-        "scenario": scenario,
-        "fingerprint": records.dataset.fingerprint(),
-    }
+    first_s, last_s = (rows[place]["time_s"] for place in (0, -1))
+    runs = f", {score['runs']} runs" if score["runs"] > 1 else ""
+    return Page(
+        title=f"{info.case}, Sun {info.sun}",
+        heading=info.case,
+        lead=f"{parts.lead}; {first_s:.1f} to {last_s:.1f} s{runs}",
+        label=title_of(label),
+        cards=parts.cards,
+        headline_title="The pipelines on the same frames",
+        headline=parts.headline,
+        before=[*parts.before, *([] if checks.is_empty else [checks])],
+        after=parts.after,
+        later=[*parts.later, lost],
+        facts=[
+            ("case", f"{info.case}, Sun {info.sun}, target {info.target}"),
+            *_optics(records.onboard.camera),
+            *parts.facts.items(),
+            ("runs", str(score["runs"])),
+            *info.provenance.items(),
+            ("dataset", f"sha256 {records.dataset.fingerprint()}"),
+        ],
+        hero=picture(records, parts.hero, HERO_WIDTH_PX),
+        hero_words=parts.hero_words,
+        frames=filmstrip(records, parts.shown),
+        marks=". ".join(each.capitalize() for each in (chain.legend, chain.greys) if each),
+        explained=set(TITLES) <= set(score["pipelines"]),
+        scenario=scenario,
+    )
+
+
+def _optics(camera: Camera | None) -> list[tuple[str, str]]:
+    if camera is None:
+        return []
+    told = (
+        f"{camera.width} × {camera.height} px, focal length {camera.fx:.2f} × {camera.fy:.2f} px, "
+        f"principal point ({camera.cx:.2f}, {camera.cy:.2f})"
+    )
+    return [("camera", told)]

@@ -33,10 +33,10 @@ def print_summary(console: Console, score: dict[str, Any], table: Table | None =
     shown = core_table(score) if table is None else table
     runs = f"{score['runs']} run" + ("s" if score["runs"] > 1 else "")
     title = f"{score['case']}, Sun {score['sun']}, {runs}"
-    console.print(_drawn(shown, title))
+    print_table(console, shown, title)
     checks = check_table(score)
     if checks.rows:
-        console.print(_drawn(checks, "asked"))
+        print_table(console, checks, "asked")
 
 
 def core_table(score: dict[str, Any]) -> Table:
@@ -48,11 +48,19 @@ def core_table(score: dict[str, Any]) -> Table:
     return headline(score, (*CORE_TERMS, *TIME_TERMS), columns)
 
 
-def _drawn(shown: Table, title: str) -> TextTable:
+def print_table(console: Console, shown: Table, title: str) -> None:
+    """Print a table under a title.
+
+    Parameters
+    ----------
+    console : Console
+    shown : Table
+    title : str
+    """
     table = TextTable(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for place, head in enumerate(shown.head):
         first = place == 0
         table.add_column(head, justify="left" if first else "right", no_wrap=first)
     for row in shown.rows:
         table.add_row(*row)
-    return table
+    console.print(table)

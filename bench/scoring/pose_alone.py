@@ -15,7 +15,7 @@ from bench.pictures.frame_record import pose_stood_by
 from bench.scoring.asked import Check, checks
 from bench.scoring.judgement import Judgement, TrueScene, is_wrong
 from bench.scoring.limits import Limits, read_limits
-from bench.scoring.metrics import POSE_DOF
+from bench.scoring.metrics.pose_errors import POSE_DOF
 from models.dataset.dataset import Dataset
 from models.errors import DatasetError
 from models.estimate import Estimate

@@ -61,7 +61,7 @@ def score_dataset(folder: Path) -> dict[str, Any]:
     truth = chain.truth(dataset)
     pipelines = {label: _score(dataset, chain, truth, label) for label in found_variants(folder)}
     info = dataset.info
-    scored: dict[str, Any] = _rounded(
+    scored: dict[str, Any] = rounded(
         {
             "format": FORMAT,
             "version": VERSION,
@@ -134,12 +134,12 @@ def _score(dataset: Dataset, chain: Chain, truth: Any, label: str) -> dict[str, 
     runs = [read_run(dataset, number, label) for number in numbers]
     judged = [_judged(dataset, chain, truth, run) for run in runs]
     core = core_score(judged, list(runs[0].runtime_ms.values()))
-    parts = {part.name: _plain(part.score(judged, truth, label)) for part in chain.parts}
+    parts = {part.name: plain(part.score(judged, truth, label)) for part in chain.parts}
     rows = zip(judged[0], chain.frame_rows(judged, truth), strict=True)
     return {
         "core": asdict(core),
         "parts": parts,
-        "per_frame": [{**_row(judgement), **_plain(own)} for judgement, own in rows],
+        "per_frame": [{**_row(judgement), **plain(own)} for judgement, own in rows],
     }
 
 
@@ -167,16 +167,16 @@ def _row(judgement: Judgement) -> dict[str, Any]:
     }
 
 
-def _plain(part: Any) -> Any:
+def plain(part: Any) -> Any:
     """Return what a chain says as JSON has it: arrays as lists, None for what is not finite."""
     if is_dataclass(part) and not isinstance(part, type):
-        return _plain(asdict(part))
+        return plain(asdict(part))
     if isinstance(part, Mapping):
-        return {str(key): _plain(item) for key, item in part.items()}
+        return {str(key): plain(item) for key, item in part.items()}
     if isinstance(part, np.ndarray | np.generic):
-        return _plain(part.tolist())
+        return plain(part.tolist())
     if isinstance(part, list | tuple):
-        return [_plain(item) for item in part]
+        return [plain(item) for item in part]
     if isinstance(part, float) and not math.isfinite(part):
         return None
     return part
@@ -221,13 +221,14 @@ def _checksum(content: dict[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _rounded(value: Any) -> Any:
+def rounded(value: Any) -> Any:
+    """Return numbers to nine digits, in whatever tables and lists they stand."""
     if isinstance(value, float):
         return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
     if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in value.items()}
+        return {key: rounded(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_rounded(item) for item in value]
+        return [rounded(item) for item in value]
     return value
 
 

@@ -19,7 +19,10 @@ from pipelines.registry import OURS as PIPELINES
 HOUSE = Path(__file__).resolve().parents[2]
 ENGINE = (
     "bench/estimating/*.py",
+    "bench/estimating/foreign_estimates/*.py",
     "bench/scoring/*.py",
+    "bench/scoring/metrics/*.py",
+    "bench/compare/*.py",
     "bench/report/*.py",
     "bench/pictures/frame_record.py",
     "bench/pictures/show.py",

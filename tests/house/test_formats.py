@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.estimating.foreign_estimates.reading import read_foreign_estimates
+from bench.estimating.foreign_estimates.said_poses import Choices
 from bench.estimating.runs import read_run
 from models.dataset.dataset import open_dataset
 from models.dataset.estimates_file import read_estimates, write_estimates
@@ -111,7 +113,8 @@ def test_the_estimates_are_what_we_would_write(folders, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in EXAMPLES if not name.startswith(("estimates/", "own/"))]
+    "name",
+    [name for name in EXAMPLES if not name.startswith(("estimates/", "own/", "elsewhere/"))],
 )
 def test_each_file_matters(folders, name):
     """The tests above, tested: without any one of the files the datasets are not read."""
@@ -119,3 +122,14 @@ def test_each_file_matters(folders, name):
     home = folders[1] if name.startswith("images/") else folders[0]
     with pytest.raises(RvbenchError):
         list(open_dataset(home).frames())
+
+
+@pytest.mark.parametrize("name", [name for name in EXAMPLES if name.startswith("elsewhere/")])
+def test_the_estimates_from_elsewhere_are_of_that_dataset(folders, name):
+    whose = Choices(trajectory_of="target") if name.endswith("slam.txt") else Choices()
+    read = read_foreign_estimates(folders[0] / name, open_dataset(folders[0]), choices=whose)
+    places = [read.run.estimates[frame].pose.cam_from_target for frame in (0, 1)]
+    for place, range_m in zip(places, (6.7, 6.65), strict=True):
+        np.testing.assert_allclose(place.translation, [0.0, 0.1, range_m], atol=1e-12)
+        np.testing.assert_allclose(place.rotation, np.diag([1.0, -1.0, -1.0]), atol=1e-12)
+    assert read.missing == 0

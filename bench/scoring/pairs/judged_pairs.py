@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from bench.estimating.runs import Run
-from bench.scoring import metrics
 from bench.scoring.judgement import Counts, Judgement, TrueScene, is_wrong
 from bench.scoring.limits import Limits, read_limits
+from bench.scoring.metrics import pose_errors
 from bench.scoring.pairs.centroids import CentroidErrors
 from bench.scoring.pairs.detections import (
     JudgedDetections,
@@ -190,8 +190,8 @@ def _judged(run: int, said: Estimate, frame: TrueFrame, limits: Limits) -> Judge
     if said.pose is not None:
         error = pose_error(said.pose.cam_from_target, frame.truth.cam_from_target)
         position_m, attitude_deg = float(np.linalg.norm(error.position_m)), error.attitude_deg
-        square = metrics.frame_nees(said.pose, frame.truth.cam_from_target)
-        wrong = is_wrong(position_m, attitude_deg, ((square, metrics.POSE_DOF),), limits)
+        square = pose_errors.frame_nees(said.pose, frame.truth.cam_from_target)
+        wrong = is_wrong(position_m, attitude_deg, ((square, pose_errors.POSE_DOF),), limits)
     return JudgedFrame(
         run=run,
         estimate=said,

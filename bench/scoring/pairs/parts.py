@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.scoring import metrics
 from bench.scoring.asked import Check, checks
+from bench.scoring.metrics import pose_errors
 from bench.scoring.pairs import centroids
 from bench.scoring.pairs.cramer_rao import Efficiency, efficiency, pose_bound
 from bench.scoring.pairs.detections import DetectionScore, detection_score
@@ -35,7 +35,8 @@ def axes(judged: Runs, truth: TrueDataset, label: str) -> Axes:
         Of the pipeline.
     """
     return Axes(
-        metrics.axis_errors(_errors(judged[0])), metrics.axis_errors(_errors(_pooled(judged)))
+        pose_errors.axis_errors(_errors(judged[0])),
+        pose_errors.axis_errors(_errors(_pooled(judged))),
     )
 
 
@@ -87,7 +88,7 @@ def efficiencies(judged: Runs, truth: TrueDataset, label: str) -> Efficiency:
     return _efficiency(pooled, bounds_of(pooled, truth))
 
 
-def nees(judged: Runs, truth: TrueDataset, label: str) -> metrics.Nees:
+def nees(judged: Runs, truth: TrueDataset, label: str) -> pose_errors.Nees:
     """Hold what the pipeline states against its errors, all runs together.
 
     Parameters
@@ -95,7 +96,7 @@ def nees(judged: Runs, truth: TrueDataset, label: str) -> metrics.Nees:
     judged, truth, label : as for ``axes``
     """
     squares = [square for each in _pooled(judged) if (square := _nees(each)) is not None]
-    return metrics.consistency(squares)
+    return pose_errors.consistency(squares)
 
 
 def per_range(judged: Runs, truth: TrueDataset, label: str) -> list[RangeScore]:
@@ -174,12 +175,12 @@ def _errors_by_frame(judged: Sequence[JudgedFrame]) -> dict[int, PoseError]:
 def _nees(judged: JudgedFrame) -> float | None:
     if judged.estimate.pose is None:
         return None
-    return metrics.frame_nees(judged.estimate.pose, judged.frame.truth.cam_from_target)
+    return pose_errors.frame_nees(judged.estimate.pose, judged.frame.truth.cam_from_target)
 
 
 def _efficiency(judged: Sequence[JudgedFrame], bounds: Sequence[Floats | None]) -> Efficiency:
     pairs = [
-        (metrics.error_vector(each.error), bound)
+        (pose_errors.error_vector(each.error), bound)
         for each, bound in zip(judged, bounds, strict=True)
         if each.error is not None
     ]
@@ -201,11 +202,11 @@ def _range_score(
 ) -> RangeScore:
     judged = [each for each, _ in inside]
     errors = _errors(judged)
-    vectors = np.array([metrics.error_vector(error) for error in errors])
+    vectors = np.array([pose_errors.error_vector(error) for error in errors])
     deviations = [np.sqrt(np.diag(bound)) for _, bound in inside if bound is not None]
     summary = centroids.summarise(centroid_errors(judged))
-    rms = metrics.root_mean_square(vectors) if errors else None
-    bound_rms = metrics.root_mean_square(deviations) if deviations else None
+    rms = pose_errors.root_mean_square(vectors) if errors else None
+    bound_rms = pose_errors.root_mean_square(deviations) if deviations else None
     return RangeScore(
         range_m=range_m,
         frames=len(judged),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bench.scoring.metrics import AxisErrors
+from bench.scoring.metrics.pose_errors import AxisErrors
 from bench.scoring.pairs.centroids import Centroids
 from bench.scoring.pairs.cramer_rao import Efficiency
 

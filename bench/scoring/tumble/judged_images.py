@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from bench.estimating.runs import Run
 from bench.scoring.judgement import Counts, Judgement, TrueScene, is_wrong
 from bench.scoring.limits import Limits, read_limits
-from bench.scoring.metrics import POSE_DOF, frame_nees
+from bench.scoring.metrics.pose_errors import POSE_DOF, frame_nees
 from bench.scoring.tumble.navigation_errors import (
     NavigationError,
     navigation_error,

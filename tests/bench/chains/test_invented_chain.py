@@ -145,6 +145,12 @@ def test_without_truth_it_is_estimated_and_shown_but_not_scored(seen):
         api.score(seen)
 
 
+def test_methods_without_poses_are_not_compared_by_poses(seen, tmp_path):
+    with pytest.raises(DatasetError, match="a truth that tells the target's pose in every frame"):
+        api.compare([seen], out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_ours_are_not_asked_for_a_pipeline_that_its_streams_do_not_suit(seen, capsys):
     assert main(["estimate", str(seen), "--pipelines", "chaser_fixed"]) == 2
     assert "which needs the streams image_800, image_850" in capsys.readouterr().err

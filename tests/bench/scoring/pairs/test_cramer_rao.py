@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.scoring.metrics import error_vector
+from bench.scoring.metrics.pose_errors import error_vector
 from bench.scoring.pairs.cramer_rao import efficiency, pixel_jacobian, pose_bound
 from models.camera import Camera, camera_preset
 from models.pose import pose_error

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from bench.scoring.core_score import Sizes, core_score, sizes
-from bench.scoring.metrics import axis_errors, consistency, frame_nees, root_mean_square
+from bench.scoring.metrics.pose_errors import axis_errors, consistency, frame_nees, root_mean_square
 from models.estimate import PoseEstimate
 from models.pose import PoseError, RigidTransform, pose_error, rotation_from_euler_321
 

@@ -1,0 +1,1 @@
+"""Methods compared on the same frames: paired, with intervals, by range, phase angle and tumble."""

@@ -1,0 +1,1 @@
+"""Estimates made elsewhere: BOP results, SPEED submissions, TUM trajectories, our own format."""
