@@ -19,6 +19,7 @@ from typing import Annotated, Any, Union
 import tyro
 
 from bench import verbs
+from bench.export.verb import Export
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
 from bench.store.verb import Store
@@ -37,6 +38,7 @@ VERBS: dict[str, type[Any]] = {
     "score": verbs.Score,
     "report": verbs.Report,
     "show": verbs.Show,
+    "export": Export,
     "store": Store,
     "new": New,
     "list": verbs.List,

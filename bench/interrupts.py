@@ -34,6 +34,7 @@ WHAT_IS_KEPT = {
     "estimate": STARTS_OVER,
     "score": "score.json is as it was before, or new and whole",
     "report": "report.html is as it was before, or new and whole",
+    "export": GOES_ON,
     "show": "the picture is as it was before, or new and whole",
     "store": "every entry that was not deleted is whole",
     "list": "nothing was changed",

@@ -115,6 +115,11 @@ class Source:
         return self.dataset.folder
 
     @cached_property
+    def fingerprint(self) -> str:
+        """Hash of its public half, images and all."""
+        return self.dataset.content_fingerprint()
+
+    @cached_property
     def target_labels(self) -> tuple[int, ...]:
         """The labels that are of the target; 0 is space, and the chaser is none of it."""
         return tuple(
