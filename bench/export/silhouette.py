@@ -2,8 +2,8 @@
 
 The renders' labels tell what each pixel shows. What is behind something else, or beyond the
 image's edge, they do not: that is found here, by filling projected triangles row by row. No
-renderer is loaded for it. A lens that distorts bends straight edges, so triangles are filled as an
-ideal lens would show them, and looked up where each pixel's ray goes.
+renderer is loaded for it. A lens that distorts bends straight edges, so triangles are cut until
+theirs are short.
 """
 
 from __future__ import annotations
@@ -19,6 +19,9 @@ from models.pose import RigidTransform
 NEAR_M = 0.01  # what is nearer to the lens has no picture
 AROUND = 1  # image sizes on each side of the image, within which a silhouette is followed
 MOST_ROWS = 4_000_000  # of triangles filled at once
+SHORT_PX = 12.0  # a side so short is straight to a hundredth of a pixel, whatever the lens
+MOST_SPLITS = 12
+FAR_SIDES = 6.0  # image sizes from the boresight, beyond which nothing comes back into the canvas
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +61,12 @@ def silhouette(
     left, top = AROUND * width, AROUND * height
     in_cam = cam_from_target @ vertices_in_target
     corners = _in_front(in_cam, faces)
-    pixels = corners[..., :2] / corners[..., 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
-    canvas = filled(pixels + np.array([left, top]), width + 2 * left, height + 2 * top)
     if camera.distorted:
-        canvas, inside = canvas.copy(), _seen_through(canvas, camera, left, top)
-        canvas &= ~_within_the_image(camera, left, top)
-        canvas[top : top + height, left : left + width] |= inside
-    else:
-        inside = canvas[top : top + height, left : left + width]
+        corners = _split(corners, camera)
+    pixels = camera.project(corners)
+    pixels = pixels[np.isfinite(pixels).all(axis=(1, 2))]
+    canvas = filled(pixels + np.array([left, top]), width + 2 * left, height + 2 * top)
+    inside = canvas[top : top + height, left : left + width]
     box = box_of(canvas)
     if box is not None:
         box = (box[0] - left, box[1] - top, box[2] - left, box[3] - top)
@@ -147,23 +148,25 @@ def _in_front(in_cam: Floats, faces: Indices) -> Floats:
     return np.concatenate(pieces)
 
 
-def _seen_through(canvas: Mask, camera: Camera, left: int, top: int) -> Mask:
-    """Return what each pixel of a lens that distorts meets of an ideal lens's canvas."""
-    v, u = np.indices((camera.height, camera.width), dtype=np.float64)
-    ideal = camera.normalise(np.stack([u, v], axis=-1).reshape(-1, 2))
-    places = np.rint(ideal * [camera.fx, camera.fy] + [camera.cx + left, camera.cy + top])
-    columns, rows = np.clip(places, 0, np.array(canvas.shape[::-1]) - 1).astype(np.int64).T
-    return np.asarray(canvas[rows, columns].reshape(camera.height, camera.width))
+def _split(corners: Floats, camera: Camera) -> Floats:
+    """Return triangles, (f, 3, 3), cut in four until they are small in the picture.
 
-
-def _within_the_image(camera: Camera, left: int, top: int) -> Mask:
-    """Tell which places of an ideal lens's canvas the image of the real one shows."""
-    rows, columns = camera.height + 2 * top, camera.width + 2 * left
-    v, u = np.indices((rows, columns), dtype=np.float64)
-    ideal = (np.stack([u - left, v - top], axis=-1) - [camera.cx, camera.cy]) / [
-        camera.fx,
-        camera.fy,
-    ]
-    shown = np.linalg.norm(ideal, axis=-1) < camera.fold_radius
-    pixels = camera.distort(ideal) * [camera.fx, camera.fy] + [camera.cx, camera.cy]
-    return np.asarray(shown & camera.contains(pixels))
+    What lies beyond the lens's fold, or far beside the canvas, is left out.
+    """
+    focal = np.array([camera.fx, camera.fy])
+    far = FAR_SIDES * np.array([camera.width, camera.height]) / focal
+    edge = np.minimum(camera.fold_radius, far)
+    for _ in range(MOST_SPLITS):
+        ideal = corners[..., :2] / corners[..., 2:]
+        beside = (ideal > edge).all(axis=1) | (ideal < -edge).all(axis=1)
+        corners, ideal = corners[~beside.any(axis=1)], ideal[~beside.any(axis=1)]
+        sides = np.linalg.norm((ideal - np.roll(ideal, -1, axis=1)) * focal, axis=-1)
+        large = sides.max(axis=1) > SHORT_PX
+        if not large.any():
+            break
+        a, b, c = np.moveaxis(corners[large], 1, 0)
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        cut = [np.stack(each, axis=1) for each in quarters]
+        corners = np.concatenate([corners[~large], *cut])
+    return corners

@@ -24,6 +24,10 @@ LISTS = ("train.json", "validation.json", "test.json")
 def check_speedplus(folder: Path) -> Findings:
     """Reopen camera, keypoints, lists, images and masks."""
     found = Findings()
+    if not (folder / "camera.json").is_file():
+        if (folder / "synthetic").exists():
+            found.faults.append("expected a camera.json beside the lists, found none")
+        return found
     camera = opened(folder, "camera.json")
     size = (camera["Nv"], camera["Nu"])
     if abs(camera["fx"] / camera["ppx"] - camera["cameraMatrix"][0][0]) > 1e-6 * camera["Nu"]:
