@@ -2,8 +2,8 @@
 
 The renders' labels tell what each pixel shows. What is behind something else, or beyond the
 image's edge, they do not: that is found here, by filling projected triangles row by row. No
-renderer is loaded for it. A lens that distorts bends straight edges, so triangles are cut until
-theirs are short.
+renderer is loaded for it. A lens that distorts bends straight edges, so triangles are filled as an
+ideal lens would show them, and that picture is bent.
 """
 
 from __future__ import annotations
@@ -19,9 +19,7 @@ from models.pose import RigidTransform
 NEAR_M = 0.01  # what is nearer to the lens has no picture
 AROUND = 1  # image sizes on each side of the image, within which a silhouette is followed
 MOST_ROWS = 4_000_000  # of triangles filled at once
-SHORT_PX = 12.0  # a side so short is straight to a hundredth of a pixel, whatever the lens
-MOST_SPLITS = 12
-FAR_SIDES = 6.0  # image sizes from the boresight, beyond which nothing comes back into the canvas
+CHUNK_ROWS = 128  # of a canvas bent at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +59,14 @@ def silhouette(
     left, top = AROUND * width, AROUND * height
     in_cam = cam_from_target @ vertices_in_target
     corners = _in_front(in_cam, faces)
-    if camera.distorted:
-        corners = _split(corners, camera)
-    pixels = camera.project(corners)
-    pixels = pixels[np.isfinite(pixels).all(axis=(1, 2))]
+    pixels = corners[..., :2] / corners[..., 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
     canvas = filled(pixels + np.array([left, top]), width + 2 * left, height + 2 * top)
-    inside = canvas[top : top + height, left : left + width]
+    if camera.distorted:
+        return _bent(canvas, camera, left, top)
     box = box_of(canvas)
     if box is not None:
         box = (box[0] - left, box[1] - top, box[2] - left, box[3] - top)
+    inside = canvas[top : top + height, left : left + width]
     return Silhouette(inside, int(np.count_nonzero(canvas)), box)
 
 
@@ -110,23 +107,25 @@ def filled(triangles: Floats, width: int, height: int) -> Mask:
 def _fill(triangles: Floats, low: Indices, rows: Indices, chosen: Indices, steps: AnyArray) -> None:
     """Add to each row where a triangle's stretch of it begins, and take away where it ends."""
     counts = rows[chosen]
-    owner = np.repeat(chosen, counts)
-    y = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + low[owner]
-    left = np.full(len(owner), np.inf)
-    right = np.full(len(owner), -np.inf)
+    y = np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts - low[chosen], counts)
+    left, right = np.full(len(y), np.inf), np.full(len(y), -np.inf)
     for a, b in ((0, 1), (1, 2), (2, 0)):
-        (xa, ya), (xb, yb) = triangles[owner, a].T, triangles[owner, b].T
-        crossed = (np.minimum(ya, yb) <= y) & (y <= np.maximum(ya, yb)) & (ya != yb)
+        (xa, ya), (xb, yb) = triangles[chosen, a].T, triangles[chosen, b].T
         with np.errstate(divide="ignore", invalid="ignore"):
-            x = xa + (y - ya) * (xb - xa) / (yb - ya)
-        left = np.where(crossed, np.minimum(left, x), left)
-        right = np.where(crossed, np.maximum(right, x), right)
-    width = steps.shape[1] - 1
-    first = np.ceil(np.clip(left, 0.0, width)).astype(np.int64)
-    last = np.floor(np.clip(right, -1.0, width - 1.0)).astype(np.int64)
-    some = (first <= last) & np.isfinite(left) & np.isfinite(right)
-    np.add.at(steps, (y[some], first[some]), 1)
-    np.add.at(steps, (y[some], last[some] + 1), -1)
+            slope = (xb - xa) / (yb - ya)
+        lowest, highest = np.minimum(ya, yb), np.where(ya == yb, -np.inf, np.maximum(ya, yb))
+        crossed = (np.repeat(lowest, counts) <= y) & (y <= np.repeat(highest, counts))
+        owner = np.repeat(np.arange(len(chosen)), counts)[crossed]
+        x = xa[owner] + (y[crossed] - ya[owner]) * slope[owner]
+        left[crossed] = np.minimum(left[crossed], x)
+        right[crossed] = np.maximum(right[crossed], x)
+    height, wide = steps.shape
+    first = np.ceil(np.clip(left, 0.0, wide - 1.0)).astype(np.int64)
+    last = np.floor(np.clip(right, -1.0, wide - 2.0)).astype(np.int64)
+    some = (first <= last) & np.isfinite(left)
+    row = y[some] * wide
+    for place, step in ((row + first[some], 1), (row + last[some] + 1, -1)):
+        steps += step * np.bincount(place, minlength=height * wide).reshape(height, wide)
 
 
 def _in_front(in_cam: Floats, faces: Indices) -> Floats:
@@ -148,25 +147,44 @@ def _in_front(in_cam: Floats, faces: Indices) -> Floats:
     return np.concatenate(pieces)
 
 
-def _split(corners: Floats, camera: Camera) -> Floats:
-    """Return triangles, (f, 3, 3), cut in four until they are small in the picture.
+def _bent(canvas: Mask, camera: Camera, left: int, top: int) -> Silhouette:
+    """Return what a lens that distorts makes of an ideal lens's canvas.
 
-    What lies beyond the lens's fold, or far beside the canvas, is left out.
+    Pixels of the image look up what their ray meets. Beyond the image each place of the canvas
+    counts as the area that the lens makes of it.
     """
-    focal = np.array([camera.fx, camera.fy])
-    far = FAR_SIDES * np.array([camera.width, camera.height]) / focal
-    edge = np.minimum(camera.fold_radius, far)
-    for _ in range(MOST_SPLITS):
-        ideal = corners[..., :2] / corners[..., 2:]
-        beside = (ideal > edge).all(axis=1) | (ideal < -edge).all(axis=1)
-        corners, ideal = corners[~beside.any(axis=1)], ideal[~beside.any(axis=1)]
-        sides = np.linalg.norm((ideal - np.roll(ideal, -1, axis=1)) * focal, axis=-1)
-        large = sides.max(axis=1) > SHORT_PX
-        if not large.any():
-            break
-        a, b, c = np.moveaxis(corners[large], 1, 0)
-        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-        quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-        cut = [np.stack(each, axis=1) for each in quarters]
-        corners = np.concatenate([corners[~large], *cut])
-    return corners
+    inside = _seen_through(canvas, camera, left, top)
+    count, boxes = float(np.count_nonzero(inside)), [box_of(inside)]
+    for start in range(0, len(canvas), CHUNK_ROWS):
+        rows = canvas[start : start + CHUNK_ROWS + 1]  # one more, for the last row's slope
+        if len(rows) < 2 or not rows.any():
+            continue
+        v, u = np.indices(rows.shape, dtype=np.float64)
+        ideal = np.stack([u - left - camera.cx, v + start - top - camera.cy], axis=-1)
+        ideal /= [camera.fx, camera.fy]
+        bent = camera.distort(ideal) * [camera.fx, camera.fy] + [camera.cx, camera.cy]
+        across, down = np.gradient(bent, axis=1), np.gradient(bent, axis=0)
+        area = across[..., 0] * down[..., 1] - across[..., 1] * down[..., 0]
+        beyond = rows & (np.linalg.norm(ideal, axis=-1) < camera.fold_radius)
+        beyond &= ~camera.contains(bent)
+        beyond[CHUNK_ROWS:] = False
+        if beyond.any():
+            count += float(area[beyond].sum())
+            low, high = np.rint(bent[beyond].min(axis=0)), np.rint(bent[beyond].max(axis=0))
+            boxes.append((int(low[0]), int(low[1]), int(high[0]), int(high[1])))
+    held = np.array([box for box in boxes if box is not None], dtype=np.int64).reshape(-1, 4)
+    if not len(held):
+        return Silhouette(inside, 0, None)
+    (x0, y0), (x1, y1) = held[:, :2].min(axis=0).tolist(), held[:, 2:].max(axis=0).tolist()
+    return Silhouette(inside, round(count), (x0, y0, x1, y1))
+
+
+def _seen_through(canvas: Mask, camera: Camera, left: int, top: int) -> Mask:
+    """Return what each pixel of a lens that distorts meets of an ideal lens's canvas."""
+    v, u = np.indices((camera.height, camera.width), dtype=np.float64)
+    ideal = camera.normalise(np.stack([u, v], axis=-1).reshape(-1, 2))
+    places = np.rint(ideal * [camera.fx, camera.fy] + [camera.cx + left, camera.cy + top])
+    low, high = np.zeros(2), np.array(canvas.shape[::-1])
+    held = np.asarray(((places >= low) & (places < high)).all(axis=1))
+    columns, rows = np.where(held[:, None], places, 0).astype(np.int64).T
+    return np.asarray((held & canvas[rows, columns]).reshape(camera.height, camera.width))
