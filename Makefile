@@ -3,13 +3,14 @@
 SHELL := /bin/sh
 VENV := .venv
 ORACLE := .venv-oracle
+JUDGES := .venv-judges
 PYTHON := $(VENV)/bin/python
 PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
 
-.PHONY: help demo test check lint setup oracle speed lock clean
+.PHONY: help demo test check lint setup oracle speed judges lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -18,8 +19,9 @@ help:
 	@echo "make setup   only set up what the others need, in $(VENV)"
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
 	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
+	@echo "make judges  hold exported datasets against readers that are not ours, in $(JUDGES)"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
-	@echo "make clean   remove $(VENV), $(ORACLE) and caches; what was rendered under out/ stays"
+	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES) and caches; what was rendered under out/ stays"
 
 demo: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
@@ -70,9 +72,14 @@ speed: $(RUNTIME)
 	@scripts/make_oracle.sh $(ORACLE)
 	$(PYTHON) -P -m bench.cycles.speed
 
+judges: $(DEV)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	@scripts/make_judges.sh $(JUDGES)
+	$(JUDGES)/bin/python -m pytest tests/judges
+
 lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) $(ORACLE) .venv-lock build *.egg-info .hypothesis .*_cache
+	rm -rf $(VENV) $(ORACLE) $(JUDGES) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -22,6 +22,7 @@ from models.errors import ScenarioError
 if TYPE_CHECKING:  # both load much; each function loads what it needs
     from bench.compare.comparison import Comparison
     from bench.compare.options import CompareChoices
+    from bench.export.plan import Plan
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
     from models.camera import Camera
@@ -45,6 +46,19 @@ class RenderOptions(TypedDict, total=False):
     keep_light: Literal["all", "some", "none"]
     keep_every: int | None
     threads: int | None
+
+
+class ExportOptions(TypedDict, total=False):
+    """What can be asked of an export; see ``bench.export.request.ExportRequest``."""
+
+    bits: int | None
+    tone: str
+    demosaic: str | None
+    split: tuple[float, float, float]
+    split_seed: int
+    split_block: int
+    licence: str
+    mcap: bool
 
 
 class SweepOptions(TypedDict, total=False):
@@ -257,6 +271,37 @@ def show(folder: Path, frame: int, out: Path, variant: str | None = None) -> Pat
 
     write_frame(folder, frame, out, variant)
     return out
+
+
+def export(
+    datasets: Sequence[Path], kind: str, out: Path, **options: Unpack[ExportOptions]
+) -> Plan:
+    """Write datasets in a format that other people's tools read; what is there already is kept.
+
+    Parameters
+    ----------
+    datasets : sequence of Path
+    kind : str
+        bop, bop-imagewise, webdataset, speedplus, coco, yolo-pose or huggingface.
+    out : Path
+        Folder of the export.
+    **options
+        Bits, tone curve, splits and more; see ``bench.export.request.ExportRequest``.
+
+    Returns
+    -------
+    Plan
+        Which images have left, and into which splits.
+
+    Raises
+    ------
+    RvbenchError
+        Each says what to do; nothing already exported is lost.
+    """
+    from bench.export.exporter import export_datasets
+    from bench.export.request import ExportRequest
+
+    return export_datasets(ExportRequest(tuple(datasets), kind, out, **options))
 
 
 def cores() -> int:

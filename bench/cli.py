@@ -19,6 +19,7 @@ import tyro
 
 from bench import verbs
 from bench.compare.verb import Compare
+from bench.export.verb import Export
 from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
@@ -41,6 +42,7 @@ VERBS: dict[str, type[Any]] = {
     "report": verbs.Report,
     "show": verbs.Show,
     "inspect": Inspect,
+    "export": Export,
     "store": Store,
     "new": New,
     "list": verbs.List,

@@ -36,6 +36,7 @@ WHAT_IS_KEPT = {
     "score": "score.json is as it was before, or new and whole",
     "compare": "each file of the comparison is as it was before, or new and whole",
     "report": "report.html is as it was before, or new and whole",
+    "export": GOES_ON,
     "show": "the picture is as it was before, or new and whole",
     "store": "every entry that was not deleted is whole",
     "list": "nothing was changed",

@@ -85,6 +85,25 @@ def read_json_lines(
     ]
 
 
+def parse_json_line(path: Path, text: str, line: int) -> dict[str, Any]:
+    """Return the table that one line of a file holds, for who reads lines one at a time.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    text : str
+    line : int
+        Its number, from 1.
+
+    Raises
+    ------
+    UnreadableError
+        As ``read_json_table``.
+    """
+    return _table(path, _parsed(path, text, line), line)
+
+
 def _table(path: Path, value: Any, line: int | None) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise UnreadableError(path, f"expected a table {{...}}, got {shown(value)}", line)

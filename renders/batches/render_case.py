@@ -74,7 +74,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     store = RadianceStore(request.store or default_store(), limit_bytes, request.threads)
     keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
     studio = Studio(world, store, keys, world.target.markers, kept=kept)
-    from renders.tracing.scene import CHASER_LABEL, MARKER_LABEL
+    from renders.truth.part_names import CHASER_LABEL, MARKER_LABEL
 
     labels = (*world.target.part_names, MARKER_LABEL, CHASER_LABEL)
     writer = DatasetWriter(

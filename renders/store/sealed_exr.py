@@ -65,9 +65,23 @@ def write_exr(
     StorageError
         If the disk is full or read-only.
     """
+    write_bytes(path, exr_bytes(channels, attributes))
+
+
+def exr_bytes(
+    channels: Mapping[str, AnyArray], attributes: Mapping[str, str] | None = None
+) -> bytes:
+    """Return an EXR file under seal.
+
+    Parameters
+    ----------
+    channels : mapping of str to (height, width) float16 or float32 arrays
+    attributes : mapping of str to str, optional
+        More for the header.
+    """
     header = {**flat_header(), **(attributes or {}), SEAL: OPEN.decode()}
     with OpenEXR.File(header, dict(channels)) as file:
-        write_bytes(path, sealed(file))
+        return sealed(file)
 
 
 def flat_header() -> dict[str, Any]:

@@ -21,14 +21,13 @@ from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.tracing.surfaces import Surface, bsdf_dict, surface_of, surface_of_disc
+from renders.truth.part_names import CHASER_LABEL, MARKER_LABEL
 
 if TYPE_CHECKING:
     import trimesh
 
     from renders.tracing.surface_table import SurfaceTable
 
-MARKER_LABEL = "retroreflectors"
-CHASER_LABEL = "chaser"
 DISC_CORNERS = 256  # of the polygon that stands for a retroreflector's circle
 
 

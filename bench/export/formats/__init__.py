@@ -1,0 +1,1 @@
+"""The formats, a file each: they arrange label records and compute nothing of their own."""
