@@ -15,8 +15,9 @@ import os
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
+from bench.api_options import ExportOptions, RenderOptions, SweepOptions
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
@@ -29,56 +30,6 @@ if TYPE_CHECKING:  # both load much; each function loads what it needs
     from renders.batches.stepping import Simulation
 
 MOST_RUNS = 1000  # their folders are named by three digits; see bench.estimating.runs
-
-
-class RenderOptions(TypedDict, total=False):
-    """What can be asked of a rendering; see ``renders.scenario.scenario.RenderRequest``."""
-
-    sun: str | None
-    rate_hz: float | None
-    start_s: float | None
-    end_s: float | None
-    width: int | None
-    spp: int | None
-    variant: Literal["auto", "llvm", "cuda", "scalar"]
-    store: Path | None
-    store_budget_gb: float | None
-    keep_light: Literal["all", "some", "none"]
-    keep_every: int | None
-    threads: int | None
-
-
-class ExportOptions(TypedDict, total=False):
-    """What can be asked of an export; see ``bench.export.request.ExportRequest``."""
-
-    bits: int | None
-    tone: str
-    demosaic: str | None
-    split: tuple[float, float, float]
-    split_seed: int
-    split_block: int
-    licence: str
-    mcap: bool
-
-
-class SweepOptions(TypedDict, total=False):
-    """What can be asked of a sweep; see ``bench.sweep.plan.SweepRequest``."""
-
-    range_m: tuple[float, ...]
-    time_s: tuple[float, ...]
-    sun_step_deg: float | None
-    suns: tuple[str, ...]
-    exposure_ms: tuple[float, ...]
-    lamp_w_sr: tuple[float, ...]
-    pipeline: str
-    width: int | None
-    spp: int | None
-    marker_samples: int | None
-    variant: Literal["auto", "llvm", "cuda", "scalar"]
-    store: Path | None
-    store_budget_gb: float | None
-    threads: int | None
-    memory_gb: float
 
 
 def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) -> None:

@@ -37,6 +37,7 @@ WHAT_IS_KEPT = {
     "compare": "each file of the comparison is as it was before, or new and whole",
     "report": "report.html is as it was before, or new and whole",
     "export": GOES_ON,
+    "inspect": "each file is as it was before, or new and whole",
     "show": "the picture is as it was before, or new and whole",
     "store": "every entry that was not deleted is whole",
     "list": "nothing was changed",

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from tyro.conf import Positional, arg
 
 from bench import api
+from bench.api_options import RenderOptions
 from models.errors import ScenarioError
 from models.plain_console import plain_console
 
@@ -72,7 +73,7 @@ class Render:
         print(f"frames: {self.out / 'frames'}")
         return DONE
 
-    def options(self) -> api.RenderOptions:
+    def options(self) -> RenderOptions:
         """Return what was asked of the rendering."""
         start_s, end_s = self.span_s if self.span_s is not None else (None, None)
         return {

@@ -45,7 +45,16 @@ class ToneCurve:
     white_dn: float
 
     def applied(self, image: AnyArray) -> AnyArray:
-        """Return an image, (...) DN, in eight bits, of the same shape."""
+        """Return an image in eight bits.
+
+        Parameters
+        ----------
+        image : (...,) array of uint8 or uint16, DN
+
+        Returns
+        -------
+        (...,) uint8 array
+        """
         levels = np.arange(np.iinfo(image.dtype).max + 1, dtype=np.float64)
         share = np.clip((levels - self.black_dn) / (self.white_dn - self.black_dn), 0.0, 1.0)
         table = np.rint(LEVELS * CURVES[self.name][1](share)).astype(np.uint8)

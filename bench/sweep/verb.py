@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg
 
 from bench import api
+from bench.api_options import SweepOptions
 from bench.verbs import DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
 from models.plain_console import plain_console
 
@@ -83,7 +84,7 @@ class Sweep:
         print(f"page:  {files.page.resolve()}")
         return DONE
 
-    def options(self) -> api.SweepOptions:
+    def options(self) -> SweepOptions:
         """Return what was asked of the sweep."""
         return {
             "range_m": self.range_m,

@@ -19,7 +19,13 @@ from models.reading.json_file import read_json_lines
 
 
 def check_huggingface(folder: Path) -> Findings:
-    """Reopen every split."""
+    """Reopen every split.
+
+    Raises
+    ------
+    DatasetError
+        If lines of a split do not have the same keys.
+    """
     found, points = Findings(), points_of_targets(folder)
     for path in sorted((folder / "data").glob("*/metadata.jsonl")):
         keys: set[str] = set()

@@ -18,9 +18,10 @@ import mitsuba as mi
 import numpy as np
 
 from models.arrays import AnyArray
+from renders.tracing.bounced.curve import LEVELS
 from renders.tracing.bounced.packed_direction import unpacked
 from renders.tracing.bounced.photons import Landed
-from renders.tracing.bounced.surface_cells import BRICK_M, LEVELS, NONE, CellFinder, Nodes
+from renders.tracing.bounced.surface_cells import BRICK_M, NONE, CellFinder, Nodes
 from renders.tracing.sample_sequence import points_2d
 
 DRAWS = 4  # of paths a look-up

@@ -17,9 +17,9 @@ import mitsuba as mi
 import numpy as np
 
 from models.arrays import AnyArray, Floats
+from renders.tracing.bounced.curve import LEVELS, along_curve
 
 BRICK_M = 0.2
-LEVELS = 4  # voxels of 2.5, 5, 10 and 20 cm
 SLOTS = 512  # finest voxels of a brick
 POINTS_PER_M2 = 32000.0
 SPREAD_EVENLY = np.array([0.7548776662466927, 0.5698402909980532])  # Roberts' sequence R2
@@ -186,26 +186,6 @@ def open_to_light(scene: Any, points: SurfacePoints, seed: int) -> AnyArray:
     inside = from_behind.mean(axis=1) > MOSTLY
     covered = np.median(distance, axis=1) < HIDDEN_M
     return np.isinf(distance).any(axis=1) | ~(inside | covered)
-
-
-def along_curve(x: AnyArray, y: AnyArray, z: AnyArray) -> AnyArray:
-    """Return the place of voxels on the curve.
-
-    Parameters
-    ----------
-    x, y, z : (...,) arrays of int
-        0 to 7.
-
-    Returns
-    -------
-    (...,) array of int
-        0 to 511.
-    """
-    place = np.zeros_like(x)
-    for bit in range(LEVELS - 1):
-        for axis, value in enumerate((x, y, z)):
-            place |= ((value >> bit) & 1) << (3 * bit + axis)
-    return place
 
 
 @dataclass(frozen=True, eq=False)

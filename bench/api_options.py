@@ -1,0 +1,56 @@
+"""What may be asked of the functions of ``bench.api`` by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal, TypedDict
+
+
+class RenderOptions(TypedDict, total=False):
+    """What can be asked of a rendering; see ``renders.scenario.scenario.RenderRequest``."""
+
+    sun: str | None
+    rate_hz: float | None
+    start_s: float | None
+    end_s: float | None
+    width: int | None
+    spp: int | None
+    variant: Literal["auto", "llvm", "cuda", "scalar"]
+    store: Path | None
+    store_budget_gb: float | None
+    keep_light: Literal["all", "some", "none"]
+    keep_every: int | None
+    threads: int | None
+
+
+class ExportOptions(TypedDict, total=False):
+    """What can be asked of an export; see ``bench.export.request.ExportRequest``."""
+
+    bits: int | None
+    tone: str
+    demosaic: str | None
+    split: tuple[float, float, float]
+    split_seed: int
+    split_block: int
+    licence: str
+    mcap: bool
+
+
+class SweepOptions(TypedDict, total=False):
+    """What can be asked of a sweep; see ``bench.sweep.plan.SweepRequest``."""
+
+    range_m: tuple[float, ...]
+    time_s: tuple[float, ...]
+    sun_step_deg: float | None
+    suns: tuple[str, ...]
+    exposure_ms: tuple[float, ...]
+    lamp_w_sr: tuple[float, ...]
+    pipeline: str
+    width: int | None
+    spp: int | None
+    marker_samples: int | None
+    variant: Literal["auto", "llvm", "cuda", "scalar"]
+    store: Path | None
+    store_budget_gb: float | None
+    threads: int | None
+    memory_gb: float
