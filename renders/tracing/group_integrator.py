@@ -69,6 +69,7 @@ def _trace(
     width: Any,
     max_depth: Any,
     segments: Any,
+    pixel_rad: Any,
     key: Any,
 ) -> Any:
     """Return lists, one array over the lanes for each light: sums of radiance, and its moments.
@@ -100,7 +101,8 @@ def _trace(
             si = scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, depth == 0, active)
             escaped = active & ~si.is_valid()
             active &= si.is_valid() & (depth < max_depth)
-            surface = surfaces.seen(si, ray, bands, active)
+            seen_by = dr.select(depth == 0, pixel_rad, dr.inf)  # bounced light sees the mean
+            surface = surfaces.seen(si, ray, bands, active, seen_by)
             pair = 1 + depth * PAIRS_PER_VERTEX
             disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))
             choice = points_2d(index, key, pair + 1)
@@ -311,6 +313,7 @@ class Walk:
             mi.UInt32(self.camera.width),
             dr.opaque(mi.UInt32, self.max_depth),
             dr.opaque(mi.UInt32, self.max_depth + 1 if wide else self.max_depth),
+            dr.opaque(mi.Float, 1.0 / max(self.camera.fx, self.camera.fy)),
             pixel_keys(seed, pixels),
         )
 
