@@ -31,6 +31,11 @@ class SurfaceDetail:
             if not 0.0 <= value <= 0.5:
                 raise ValueError(f"expected a share or slope from 0 to 0.5, got {name} = {value}")
 
+    @property
+    def is_varied(self) -> bool:
+        """Whether there is any."""
+        return max(self.crease_slope, self.mottling, self.tile_spread) > 0.0
+
 
 PLAIN = SurfaceDetail()
 
@@ -44,7 +49,7 @@ PLAIN = SurfaceDetail()
 # - bare, fired and anodised metal: stains and tool marks.
 DETAIL: dict[str, SurfaceDetail] = {
     "mli_gold": SurfaceDetail(crease_slope=0.05, mottling=0.02),
-    "mli_aluminium": SurfaceDetail(crease_slope=0.05, mottling=0.02),
+    "mli_aluminium": SurfaceDetail(crease_slope=0.04, mottling=0.02),
     "mli_black": SurfaceDetail(crease_slope=0.06, mottling=0.04),
     "bare_aluminium": SurfaceDetail(mottling=0.03),
     "anodised_aluminium": SurfaceDetail(mottling=0.04),

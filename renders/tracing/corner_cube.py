@@ -1,8 +1,8 @@
 """The face of a solid corner cube, where a pixel resolves it.
 
 Light that enters a cube's round face at q leaves it at ``-q - 2 L t``: each ray and its return are
-mirror images about the apex, which lies ``L = D / sqrt(2)`` under the face and is seen through it at
-``-L t``, with t the tangent of the refracted angle, along the face (Arnold 1979). So
+mirror images about the apex, which lies ``L = D / sqrt(2)`` under the face and is seen through it
+at ``-L t``, with t the tangent of the refracted angle, along the face (Arnold 1979). So
 
 * the aperture is the overlap of the face and its image, two circles of radius R about points
   ``2 L t`` apart, and its middle is the apex;

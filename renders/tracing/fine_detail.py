@@ -1,8 +1,8 @@
 """Faint changes of reflectance from place to place, where a pixel resolves them.
 
-**Mottling** is a sum of bent waves over decimetres, fixed in the target's frame: dust, stains, uneven
-coats. **Tiles** (solar cells, mirrors) differ from one to the next; each lies at its own tilt
-(``models.spacecraft.solids.tilted``), and that says how bright it is. Both multiply by
+**Mottling** is a sum of bent waves over decimetres, fixed in the target's frame: dust, stains,
+uneven coats. **Tiles** (solar cells, mirrors) differ from one to the next; each lies at its own
+tilt (``models.spacecraft.solids.tilted``), and that says how bright it is. Both multiply by
 ``1 + share g``, g between -1 and 1 with mean 0, and fade out of what a pixel does not resolve.
 
 Written once, for Dr.Jit and NumPy: ``calc`` is the one or the other.
@@ -19,6 +19,7 @@ Triple = tuple[Any, Any, Any]
 
 SEED = 1970
 MOTTLE_M = (0.11, 0.43)  # lengths of the waves
+WIDEST_M = 0.5 * max(MOTTLE_M)  # a pixel that sees more resolves nothing
 BEND, BEND_LENGTH = 0.22, 2.7
 TILE_M = 0.06  # size of cells and mirrors
 TILE_TURNS = (231.25, 291.25, 187.25)  # periods a radian: tiles tilt by some 0.2 degrees, and

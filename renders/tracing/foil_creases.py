@@ -8,14 +8,14 @@ foil's height is
 
     H(p) = A (FLAT g.(p - f) + BENT |p - f|^2 / (2 L)) + a constant,
 
-g a random slope; what counts is its gradient S along the surface. Random numbers come of the point's
-place in the grid (Jarzynski and Olano 2020, Hash functions for GPU rendering, JCGT 9(3), pcg3d):
-nothing is kept, and every variant finds the same.
+g a random slope; what counts is its gradient S along the surface. Random numbers come of the
+point's place in the grid (Jarzynski and Olano 2020, Hash functions for GPU rendering, JCGT 9(3),
+pcg3d): nothing is kept, and every variant finds the same.
 
 **The lobe.** A slope S leans a mirror lobe whose microfacets have density D(h) over slopes h of the
 half vector. Of GGX, ``log D(h - S) = log D(h) + (4 h.S - 2 S.S) / (alpha^2 + h.h) + ...``; the lobe
-is multiplied by the exponential of that, over its mean over all places. With b and k the factors of S
-and -S.S, and S normal with variance s along each direction, that is
+is multiplied by the exponential of that, over its mean over all places. With b and k the factors of
+S and -S.S, and S normal with variance s along each direction, that is
 
     m = (1 + 2 k s) exp(b.S - k S.S - b.b s / (2 (1 + 2 k s))).
 
@@ -95,7 +95,8 @@ def _cell_slopes(calc: Any, place: Triple, number: int) -> list[Any]:
     ]
     low = [calc.floor(each - 0.5) for each in at]
     words = _words(calc, low)
-    nearest, found = 1e9, []
+    nearest: Any = 1e9
+    found: list[Any] = []
     for corner in CORNERS:
         drawn = _hashed([word + k for word, k in zip(words, corner, strict=True)])
         jitter = _numbers(calc, [word >> 16 for word in drawn])
@@ -107,7 +108,9 @@ def _cell_slopes(calc: Any, place: Triple, number: int) -> list[Any]:
         nearer = distance < nearest
         nearest = select(nearer, distance, nearest)
         now = [*off, *drawn]
-        found = now if not found else [select(nearer, a, b) for a, b in zip(now, found, strict=True)]
+        if found:
+            now = [select(nearer, a, b) for a, b in zip(now, found, strict=True)]
+        found = now
     slopes = []
     for off_by, word in zip(found[:3], found[3:], strict=True):
         first, second = _numbers(calc, [word & 255, (word >> 8) & 255])

@@ -244,7 +244,8 @@ def build_geometry(
             mesh = disc_mesh(point, normal, markers.radius_m)
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
-            surface_of_shape[key] = surface_of_disc(optics, disc_place(point, normal, markers.radius_m))
+            place = disc_place(point, normal, markers.radius_m)
+            surface_of_shape[key] = surface_of_disc(optics, place)
     if chaser is not None:
         for number, ((_, material, smooth), mesh) in enumerate(_merged(chaser.parts).items()):
             key = f"chaser_{number:03d}"

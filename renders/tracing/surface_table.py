@@ -18,7 +18,7 @@ import mitsuba as mi
 import numpy as np
 
 from renders.tracing.corner_cube import CubeView, aperture_share
-from renders.tracing.fine_detail import shade
+from renders.tracing.fine_detail import WIDEST_M, shade
 from renders.tracing.foil_creases import CELLS_M, crease_slopes, lobe_factor
 from renders.tracing.retroreflector import active_aperture
 from renders.tracing.surfaces import Surface
@@ -208,18 +208,20 @@ class SurfaceSeen:
             for column in (table.creases, table.mottling, table.tiles)
         )
 
+        def shade_at(*args: Any) -> Any:
+            return shade(dr, *args)
+
         def slopes_at(place: Any, width: Any) -> tuple[Any, ...]:
             slopes, variance = crease_slopes(dr, place, width)
             return mi.Vector3f(*slopes), variance
 
-        def none_at(*_: Any) -> tuple[Any, ...]:
-            return mi.Vector3f(0.0), mi.Float(0.0)
-
-        self.shade = shade(dr, place, normal, footprint, mottling, tiles)
+        args = mi.Vector3f(place), mi.Vector3f(normal), footprint, mottling, tiles
+        near = self._active & (footprint < WIDEST_M)
+        self.shade = dr.if_stmt(args, near, shade_at, lambda *_: mi.Float(1.0))
         if table.creases is not None:
-            creased = self._active & (footprint < 0.5 * max(CELLS_M)) & (creases > 0.0)
+            near = self._active & (footprint < 0.5 * max(CELLS_M)) & (creases > 0.0)
             slopes, variance = dr.if_stmt(
-                (mi.Vector3f(place), footprint), creased, slopes_at, none_at
+                (args[0], footprint), near, slopes_at, lambda *_: (mi.Vector3f(0.0), mi.Float(0.0))
             )
             slopes -= self.shading_normal * dr.dot(self.shading_normal, slopes)
             self.creases = (slopes * creases, variance * creases * creases)
