@@ -48,6 +48,8 @@ SHARES = (0.09, 0.29, 0.62)  # of the slopes' variance
 JITTER = 0.7  # of a grid's step; more, and the nearest point may lie beyond the eight looked at
 FLAT, BENT = 0.86, 0.51  # roots of their shares of the variance
 FLAT_SCALE, BENT_SCALE = 6.0**0.5, 0.0927**-0.5  # to variance 1: of a triangular law; measured
+PIXELS_A_CELL = 3.0  # fewer, and its borders would show as noise of the samples
+WIDEST_M = max(CELLS_M) / PIXELS_A_CELL  # a pixel that sees more resolves nothing
 CORNERS = tuple(product((0, 1), repeat=3))
 
 
@@ -141,7 +143,7 @@ def crease_slopes(calc: Any, place: Triple, footprint_m: Any) -> tuple[Triple, A
     total: list[Any] = [0.0, 0.0, 0.0]
     variance: Any = 0.0
     for number, share in enumerate(SHARES):
-        ratio = footprint_m * (2.0 / CELLS_M[number])
+        ratio = footprint_m * (PIXELS_A_CELL / CELLS_M[number])
         left = calc.maximum(1.0 - ratio * ratio, 0.0)
         left = left * left
         variance = variance + share * (left * left)

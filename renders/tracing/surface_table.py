@@ -17,9 +17,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from renders.tracing import foil_creases
 from renders.tracing.corner_cube import CubeView, aperture_share
 from renders.tracing.fine_detail import WIDEST_M, shade
-from renders.tracing.foil_creases import CELLS_M, crease_slopes, lobe_factor
+from renders.tracing.foil_creases import crease_slopes, lobe_factor
 from renders.tracing.retroreflector import active_aperture
 from renders.tracing.surfaces import Surface
 
@@ -219,7 +220,7 @@ class SurfaceSeen:
         near = self._active & (footprint < WIDEST_M)
         self.shade = dr.if_stmt(args, near, shade_at, lambda *_: mi.Float(1.0))
         if table.creases is not None:
-            near = self._active & (footprint < 0.5 * max(CELLS_M)) & (creases > 0.0)
+            near = self._active & (footprint < foil_creases.WIDEST_M) & (creases > 0.0)
             slopes, variance = dr.if_stmt(
                 (args[0], footprint), near, slopes_at, lambda *_: (mi.Vector3f(0.0), mi.Float(0.0))
             )

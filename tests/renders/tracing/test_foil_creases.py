@@ -14,7 +14,7 @@ from models.materials import MATERIALS
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from models.surface_detail import DETAIL, PLAIN
-from renders.tracing.foil_creases import CELLS_M, crease_slopes, lobe_factor
+from renders.tracing.foil_creases import WIDEST_M, crease_slopes, lobe_factor
 from renders.tracing.light_groups import SunGroup
 from renders.tracing.surfaces import surface_of
 from tests.support.small_scenes import camera_at, needs_jit, plate, rendered, run_python
@@ -48,7 +48,7 @@ def test_slopes_have_the_variance_that_is_told(footprint_m: float) -> None:
 
 def test_nothing_is_left_where_no_cell_is_resolved() -> None:
     places, *_ = on_a_plane(1000)
-    slopes, variance = crease_slopes(np, tuple(places.T), np.full(1000, 0.51 * max(CELLS_M)))
+    slopes, variance = crease_slopes(np, tuple(places.T), np.full(1000, 1.01 * WIDEST_M))
     assert np.abs(slopes).max() == 0.0
     assert (variance == 0.0).all()
 
