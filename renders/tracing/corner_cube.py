@@ -42,11 +42,14 @@ class CubeView:
         Along the face from the marker's point, over the radius.
     pixel : array
         A pixel's width there, over the radius.
+    near : array
+        The radius over the viewer's distance.
     """
 
     x: Any
     y: Any
     pixel: Any
+    near: Any
 
 
 def _one_if(calc: Any, condition: Any) -> Any:
@@ -71,11 +74,14 @@ def aperture_share(
     cube : CubeView
     half_x, half_y : arrays
         Along the face, the unit vector halfway between the light's and the viewer's directions.
+        The aperture's is that at the marker's point, for lamps about as far as the viewer: one
+        aperture a cube, even about its middle.
     index : array
         Refractive index.
     effective : array
         The disc's active aperture for that vector.
     """
+    half_x, half_y = half_x + cube.x * cube.near, half_y + cube.y * cube.near
     sine_squared = half_x * half_x + half_y * half_y
     inside = 1.0 / calc.sqrt(index * index - sine_squared)
     tx, ty = half_x * inside, half_y * inside

@@ -200,7 +200,7 @@ def _seen_share(
         )
         share = aperture_share(
             np,
-            CubeView(x, y, pixel),
+            CubeView(x, y, pixel, discs.radius_m / distance),
             half @ np.array(place.along),
             half @ np.array(place.across),
             optics.refractive_index,

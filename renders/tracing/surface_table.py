@@ -105,7 +105,7 @@ class SurfaceTable:
         )
         seen = SurfaceSeen(self, number, si.n, si.sh_frame.n, -ray.d, bands, active)
         if pixel_rad is not None:
-            seen.look_closely(si.p, si.n, si.t * pixel_rad)
+            seen.look_closely(si.p, si.n, si.t, pixel_rad)
         return seen
 
 
@@ -174,7 +174,7 @@ class SurfaceSeen:
             self.glass_index = of(table.glass_index)
             self.return_share = of(table.return_share)
 
-    def look_closely(self, place: Any, normal: Any, width_m: Any) -> None:
+    def look_closely(self, place: Any, normal: Any, distance: Any, pixel_rad: Any) -> None:
         """See the detail that pixels resolve.
 
         Parameters
@@ -183,12 +183,14 @@ class SurfaceSeen:
             Target frame.
         normal : Vector3f
             Of the triangle.
-        width_m : Float, m
-            Of a pixel at that distance.
+        distance : Float, m
+            From the viewer.
+        pixel_rad : Float
+            Angle of what one pixel sees.
         """
         table, of = self._table, self._of
         facing = dr.abs(dr.dot(self.normal, self.towards_viewer))
-        footprint = width_m * dr.rsqrt(dr.maximum(facing, LEAST_FACING))
+        footprint = distance * pixel_rad * dr.rsqrt(dr.maximum(facing, LEAST_FACING))
         if table.has_detail:
             self._look_for_detail(place, normal, footprint)
         if table.discs is not None:
@@ -198,7 +200,8 @@ class SurfaceSeen:
             off = (place - mi.Point3f(x, y, z)) * scale
             along, across = mi.Vector3f(*axes[:3]), mi.Vector3f(*axes[3:])
             pixel = dr.select(there, footprint * scale, UNSEEN)
-            self.cube = CubeView(dr.dot(off, along), dr.dot(off, across), pixel)
+            near = radius / distance
+            self.cube = CubeView(dr.dot(off, along), dr.dot(off, across), pixel, near)
             self._cube_axes = along, across
 
     def _look_for_detail(self, place: Any, normal: Any, footprint: Any) -> None:

@@ -22,7 +22,7 @@ def face(incidence_deg: float, azimuth_deg: float, pixel: float) -> tuple[Floats
     x, y = x[inside], y[inside]
     sine, turn = np.sin(np.deg2rad(incidence_deg)), np.deg2rad(azimuth_deg)
     effective = float(active_aperture(float(np.sqrt(1.0 - sine**2)), INDEX))
-    view = CubeView(x, y, np.full(len(x), pixel))
+    view = CubeView(x, y, np.full(len(x), pixel), 0.0)
     share = aperture_share(np, view, sine * np.cos(turn), sine * np.sin(turn), INDEX, effective)
     return x, y, share, np.array(effective)
 

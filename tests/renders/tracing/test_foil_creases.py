@@ -99,7 +99,7 @@ def albedo(name: str, incidence_deg: float, places: Floats | None) -> Floats:
     seen = seen_from(surface_of(MATERIALS[name]), viewers)
     if places is not None:
         at = np.repeat(places, draws, axis=0).astype(np.float32)
-        seen.look_closely(mi.Point3f(*at.T), seen.normal, mi.Float(1e-6))
+        seen.look_closely(mi.Point3f(*at.T), seen.normal, mi.Float(1.0), mi.Float(1e-6))
     weights = seen.sample(mi.Point2f(np.tile(square, count).astype(np.float32)))[2]
     return np.stack([np.array(weights[band]).reshape(count, draws).mean(axis=1) for band in BANDS])
 
