@@ -142,7 +142,7 @@ def add_lobes(
         normal = discs.normals_in_target[number]
         radiance = lobe_radiance(scene, point, normal, lens, axis, lamps, leds, geometry.optics)
         if radiance > 0.0:
-            within = target_from_cam.rotate(camera.rays(_within_pixel(column, row)))
+            within = target_from_cam.rotate(camera.rays(_within_pixel(int(column), int(row))))
             radiance *= _seen_share(discs, number, lens, within, leds, geometry.optics, camera)
         image[row, column] += covered[row, column] * radiance
 

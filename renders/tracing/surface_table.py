@@ -142,7 +142,8 @@ class SurfaceSeen:
             return dr.gather(mi.Float, column, number, active)
 
         self._table, self._of, self._active = table, of, active
-        self.creases = self.cube = None
+        self.creases: Any = None
+        self.cube: CubeView | None = None
         self.shade: Any = None
         side = dr.dot(normal, towards_viewer)
         flat = mi.Vector3f(dr.mulsign(normal, side))
