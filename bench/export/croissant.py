@@ -53,7 +53,7 @@ def croissant(
     plan: Plan,
     licence: str,
     made_by: str,
-    metadata: dict[str, list[Any]],
+    metadata: dict[str, tuple[int, str]],
     example: dict[str, Any],
 ) -> str:
     """Return the text of ``croissant.json``.
@@ -89,7 +89,7 @@ def croissant(
     return json.dumps(table, indent=2) + "\n"
 
 
-def _file(path: str, told: list[Any]) -> dict[str, Any]:
+def _file(path: str, told: tuple[int, str]) -> dict[str, Any]:
     return {
         "@type": "cr:FileObject",
         "@id": path,

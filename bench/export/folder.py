@@ -107,8 +107,22 @@ def begin(out: Path, mark: dict[str, Any]) -> bool:
             "nothing was changed: choose another --out"
         )
     if not complete:
+        _refuse_links(out)
         sweep_scratch(out)
     return complete
+
+
+def _refuse_links(out: Path) -> None:
+    """Refuse to go on where a link would have us write elsewhere; an export has none."""
+    for place, folders, names in os.walk(out):
+        for name in (*folders, *names):
+            path = Path(place, name)
+            if path.is_symlink():
+                raise DatasetError(
+                    f"expected an export without links in {out}, found {path} to "
+                    f"{shown(os.readlink(path))}; nothing was changed: choose another --out, or "
+                    "take it away"
+                )
 
 
 def read_mark(out: Path) -> dict[str, Any] | None:
@@ -145,7 +159,7 @@ def finish(out: Path, mark: dict[str, Any], files: Iterable[tuple[str, str]]) ->
     shutil.rmtree(out / HIDDEN, ignore_errors=True)
 
 
-def write_pieces(path: Path, pieces: Iterable[bytes]) -> list[Any]:
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> tuple[int, str]:
     """Write a file piece by piece, whole or not at all; return its size and SHA-256.
 
     Raises
@@ -159,7 +173,7 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> list[Any]:
             digest.update(piece)
             size += len(piece)
             file.write(piece)
-    return [size, digest.hexdigest()]
+    return size, digest.hexdigest()
 
 
 def listed(out: Path) -> Iterator[tuple[str, str]]:
