@@ -25,11 +25,13 @@ from models.errors import DatasetError, UnreadableError
 from models.output_folder import check_empty, check_place
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
+from models.reading.regular_file import check_regular
 from models.reading.shown import shown
 
 FORMAT, VERSION = "rvbench-export", 1
 MARK, HASHES = "export.json", "files.sha256"
 BUFFER = 1 << 20
+MOST_LINE = 5000  # a hash and the longest path that a system has
 
 
 def marking(request: ExportRequest, plan: Plan, versions: str) -> dict[str, Any]:
@@ -186,8 +188,10 @@ def listed(out: Path) -> Iterator[tuple[str, str]]:
     """
     path = out / HASHES
     try:
+        check_regular(path)
         with path.open() as file:
-            for number, line in enumerate(file, start=1):
+            lines = iter(lambda: file.readline(MOST_LINE), "")
+            for number, line in enumerate(lines, start=1):
                 digest, _, name = line.rstrip("\n").partition("  ")
                 inside = name and not Path(name).is_absolute() and ".." not in Path(name).parts
                 if len(digest) != 64 or not inside:
@@ -196,7 +200,7 @@ def listed(out: Path) -> Iterator[tuple[str, str]]:
                         f"{shown(line)}"
                     )
                 yield name, digest
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, UnreadableError) as error:
         raise DatasetError(
             f"expected the hashes of an export at {path}, got: {error}; export again"
         ) from error

@@ -151,13 +151,14 @@ def open_source(number: int, folder: Path) -> Source:
     if is_true:
         try:
             world = world_of(read_scenario(scenario))
+            craft, wireframe = world.target, world.before_flight.wireframe
         except UnreadableError as error:
             raise DatasetError(
                 f"expected the files that {folder} was rendered from, got: {error}; put them back, "
                 "or render again"
             ) from error
         camera = world.camera
-        target = TargetModel(world.target.name, world.target, world.before_flight.wireframe)
+        target = TargetModel(craft.name, craft, wireframe)
     elif dataset.info.target in SPACECRAFT:
         craft = spacecraft_by_name(dataset.info.target)
         target = TargetModel(craft.name, craft, dataset.onboard.wireframe)
