@@ -101,7 +101,7 @@ def png_size(data: bytes) -> tuple[int, int] | None:
 
 
 def decoded_png(data: bytes) -> Image | None:
-    """Return the image that bytes hold, (height, width) or (height, width, 3); None: they do not."""
+    """Return the (height, width) image that bytes hold; None if they hold none."""
     try:
         return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:  # a size beyond all that OpenCV takes
