@@ -18,7 +18,6 @@ from bench.export.truth_lines import TruthLines, find_truth_lines
 from models.arrays import Floats, Indices
 from models.camera import Camera
 from models.dataset.dataset import Dataset, open_dataset
-from models.errors import DatasetError, UnreadableError
 from models.markers import MarkerPattern
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
 from models.spacecraft.part import Spacecraft
@@ -149,16 +148,9 @@ def open_source(number: int, folder: Path) -> Source:
     camera = dataset.onboard.camera
     is_true = scenario.is_file()
     if is_true:
-        try:
-            world = world_of(read_scenario(scenario))
-            craft, wireframe = world.target, world.before_flight.wireframe
-        except UnreadableError as error:
-            raise DatasetError(
-                f"expected the files that {folder} was rendered from, got: {error}; put them back, "
-                "or render again"
-            ) from error
+        world = world_of(read_scenario(scenario))
         camera = world.camera
-        target = TargetModel(craft.name, craft, wireframe)
+        target = TargetModel(world.target.name, world.target, world.before_flight.wireframe)
     elif dataset.info.target in SPACECRAFT:
         craft = spacecraft_by_name(dataset.info.target)
         target = TargetModel(craft.name, craft, dataset.onboard.wireframe)

@@ -20,6 +20,7 @@ STRUCK = {  # as a file gets its name: of an image, of a record, of what tells o
 }  # fmt: skip
 
 
+@pytest.mark.slow  # sixteen processes, each with its own start-up
 @pytest.mark.parametrize("kind", list(STRUCK))
 def test_an_export_killed_again_and_again_ends_as_if_never_killed(kind, exported, tumble, tmp_path):
     out = tmp_path / "out"
