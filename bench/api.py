@@ -17,13 +17,14 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from bench.api_options import ExportOptions, RenderOptions, SweepOptions
+from bench.api_options import DatasetOptions, ExportOptions, RenderOptions, SweepOptions
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
     from bench.compare.comparison import Comparison
     from bench.compare.options import CompareChoices
     from bench.export.plan import Plan
+    from bench.random_dataset.run import DatasetResult
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
     from models.camera import Camera
@@ -333,6 +334,33 @@ def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepR
     return result, write_outcome(result)
 
 
+def dataset(spec: Path, out: Path, **options: Unpack[DatasetOptions]) -> DatasetResult:
+    """Render a dataset of random poses, Suns and exposures: what is there already is kept.
+
+    Parameters
+    ----------
+    spec : Path
+        What is drawn, as TOML; see ``bench.random_dataset.spec_tables``.
+    out : Path
+        Its folder.
+    **options
+        Processes, which frames, variant.
+
+    Returns
+    -------
+    DatasetResult
+        What was drawn, the datasets' folders, and how many frames are left.
+
+    Raises
+    ------
+    RvbenchError
+        Each says what to do; nothing already rendered is lost.
+    """
+    from bench.random_dataset.run import DatasetRequest, make_dataset
+
+    return make_dataset(DatasetRequest(spec, out, **options))
+
+
 def simulation(case: str, run: int = 0, **options: Any) -> Simulation:
     """Start a world that is stepped frame by frame, for a loop of your own.
 
@@ -356,13 +384,15 @@ def simulation(case: str, run: int = 0, **options: Any) -> Simulation:
     return Simulation(case, run, **options)
 
 
-def new(kind: Literal["case", "camera", "pipeline"], name: str, folder: Path = Path()) -> Path:
+def new(
+    kind: Literal["case", "camera", "dataset", "pipeline"], name: str, folder: Path = Path()
+) -> Path:
     """Write a file or a package to start from; see ``rvbench new``.
 
     Parameters
     ----------
     kind : str
-        case, camera or pipeline.
+        case, camera, dataset or pipeline.
     name : str
     folder : Path
         Where.

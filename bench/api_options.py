@@ -23,6 +23,14 @@ class RenderOptions(TypedDict, total=False):
     threads: int | None
 
 
+class DatasetOptions(TypedDict, total=False):
+    """What can be asked of a random dataset; see ``bench.random_dataset.run.DatasetRequest``."""
+
+    workers: int | None
+    only: tuple[int, int] | None
+    variant: Literal["auto", "llvm", "cuda", "scalar"]
+
+
 class ExportOptions(TypedDict, total=False):
     """What can be asked of an export; see ``bench.export.request.ExportRequest``."""
 
