@@ -31,6 +31,7 @@ GIVEN: dict[str, dict[str, Any]] = {
     "render": {"samples": 16},
 }
 """What the file sets: sixty small frames, a minute or two of work."""
+LEFT_OUT = {"render": ("seed",)}  # which the dataset draws
 
 
 def dataset_text(name: str) -> str:
@@ -44,5 +45,6 @@ def dataset_text(name: str) -> str:
     parts.append("\n".join(table_lines("camera", SpecCameraTable, CAMERA, "[[{}]]")) + "\n")
     for key, field in Spec.model_fields.items():
         if (table := table_of(field)) is not None:
-            parts.append("\n".join(table_lines(key, table, GIVEN.get(key, {}))) + "\n")
+            lines = table_lines(key, table, GIVEN.get(key, {}), left_out=LEFT_OUT.get(key, ()))
+            parts.append("\n".join(lines) + "\n")
     return "\n".join(parts)

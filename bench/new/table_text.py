@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
@@ -21,7 +21,11 @@ LIMITS = {"ge": "from {}", "gt": "above {}", "le": "up to {}", "lt": "below {}"}
 
 
 def table_lines(
-    key: str, table: type[BaseModel], given: Mapping[str, Any], brackets: str = "[{}]"
+    key: str,
+    table: type[BaseModel],
+    given: Mapping[str, Any],
+    brackets: str = "[{}]",
+    left_out: Collection[str] = (),
 ) -> Iterator[str]:
     """Yield the lines of a table, with its keys: those given as they are, others in comments.
 
@@ -34,11 +38,14 @@ def table_lines(
         Values by key.
     brackets : str
         ``[[{}]]`` for one of a list.
+    left_out : collection of str
+        Keys that are not told.
     """
     yield from _prose(table)
     yield brackets.format(key)
     for name, field in table.model_fields.items():
-        if table_of_list(field) is not None or table_of(field) is not None:
+        is_table = table_of_list(field) is not None or table_of(field) is not None
+        if is_table or name in left_out:
             continue
         if name in given:
             has_default = not field.is_required() and field.default is not None

@@ -20,9 +20,10 @@ class New:
         rvbench new dataset my-frames
         rvbench new pipeline my-finder
 
-    A case runs as it is: `rvbench run mine.toml --out out/mine`. So does a pipeline, a package of
+    A case runs as it is: `rvbench run mine.toml --out out/mine`. So does a dataset, sixty small
+    frames: `rvbench dataset my-frames.toml --out out/my-frames`. So does a pipeline, a package of
     one module: `pip install --editable ./my-finder`, and it estimates beside ours; it finds nothing
-    until you write what it does. A dataset renders sixty small frames as it is. A target goes beside a mesh, my-probe.glb; where that is there,
+    until you write what it does. A target goes beside a mesh, my-probe.glb; where that is there,
     `rvbench inspect my-probe.glb` writes more of it. What is there already is never written over.
     """
 

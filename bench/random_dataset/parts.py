@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 from bench.random_dataset.draws import STARS, Aim, rng_of
@@ -20,6 +21,7 @@ from models.motion.pose_table import EARTH, EXPOSURE, SUN, pose_columns
 from models.motion.pose_table import STARS as STARS_COLUMN
 from models.sensors.camera_chip import Detector
 from renders.scenario.camera_choice import camera_of
+from renders.scenario.errors import explain
 from renders.scenario.own_target import target_of, with_own_target_read
 from renders.scenario.scenario import Scenario, check_scenario
 from renders.scenario.surface_tables import SurfaceTable, materials_of
@@ -106,11 +108,17 @@ class Part:
         table["render"] = {**table["render"], "seed": int(render_seed)}
         table["exposure"] = {"mode": "table", "noise_seed": int(noise_seed)}
         table["surface"] = self._surfaces()
-        return check_scenario(Scenario(**table), f"{self.where}: {self.name}")
+        return check_scenario(self._read(table), f"{self.where}: {self.name}")
 
     @cached_property
     def _without_rows(self) -> Scenario:
-        return Scenario(**self._table())
+        return self._read(self._table())
+
+    def _read(self, table: dict[str, Any]) -> Scenario:
+        try:
+            return Scenario(**table)
+        except ValidationError as error:
+            raise ScenarioError(explain(str(self.where), error, Scenario, {})) from error
 
     def _table(self) -> dict[str, Any]:
         spec = self.spec

@@ -85,6 +85,11 @@ def check_spec(spec: Spec, where: str) -> Spec:
             f"{where}: expected pose.axis of three numbers, not all zero, "
             f"got {list(spec.pose.axis)}"
         ) from error
+    if "seed" in spec.render.model_fields_set:
+        raise ScenarioError(
+            f"{where}: expected render.seed to be left out, the dataset's seed draws it for each "
+            f"folder; got {spec.render.seed}"
+        )
     _check_names(spec, where)
     for table in spec.camera:
         check_camera(table, f"{where}: camera {table.name}")

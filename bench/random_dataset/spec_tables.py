@@ -129,7 +129,8 @@ class VaryTable(Table):
     roughness: float = Field(0.0, ge=0, le=1, description="likewise of its roughness")
     psf_sigma_px: Annotated[tuple[SigmaPx, SigmaPx], Field(strict=False)] | None = Field(
         None,
-        description="least and most blur of a lens, uniform; optics.psf_sigma_px where left out",
+        description="least and most blur of a lens, on the chip's own pixel, uniform; "
+        "optics.psf_sigma_px where left out",
     )
 
 
