@@ -17,7 +17,13 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from bench.api_options import DatasetOptions, ExportOptions, RenderOptions, SweepOptions
+from bench.api_options import (
+    DatasetOptions,
+    ExportOptions,
+    RenderOptions,
+    SweepOptions,
+    check_case,
+)
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
@@ -53,7 +59,7 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    _check_case(case)
+    check_case(case)
     from renders.batches.render_case import render_case
     from renders.scenario.scenario import RenderRequest
 
@@ -287,7 +293,7 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    _check_case(case)
+    check_case(case)
     from bench.estimating.repeated_runs import repeat_runs, runs_left
     from renders.batches.replay import light_held
 
@@ -325,7 +331,7 @@ def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepR
     RvbenchError
         Each says what to do; nothing already done is lost.
     """
-    _check_case(case)
+    check_case(case)
     from bench.sweep.outcome import write_outcome
     from bench.sweep.plan import SweepRequest
     from bench.sweep.run import run_sweep
@@ -335,26 +341,14 @@ def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepR
 
 
 def dataset(spec: Path, out: Path, **options: Unpack[DatasetOptions]) -> DatasetResult:
-    """Render a dataset of random poses, Suns and exposures: what is there already is kept.
+    """Render a dataset of random poses, or what is missing of it; see ``make_dataset``.
 
     Parameters
     ----------
     spec : Path
-        What is drawn, as TOML; see ``bench.random_dataset.spec_tables``.
+        What is drawn, as TOML.
     out : Path
-        Its folder.
     **options
-        Processes, which frames, variant.
-
-    Returns
-    -------
-    DatasetResult
-        What was drawn, the datasets' folders, and how many frames are left.
-
-    Raises
-    ------
-    RvbenchError
-        Each says what to do; nothing already rendered is lost.
     """
     from bench.random_dataset.run import DatasetRequest, make_dataset
 
@@ -406,16 +400,3 @@ def new(
 
     place, _ = write_start(kind, name, folder)
     return place
-
-
-def _check_case(case: str) -> None:
-    """Refuse a case that there is not, before anything that renders is loaded.
-
-    Raises
-    ------
-    ScenarioError
-        It suggests the nearest.
-    """
-    from renders.scenario.case_files import case_path
-
-    case_path(case)

@@ -62,3 +62,16 @@ class SweepOptions(TypedDict, total=False):
     store_budget_gb: float | None
     threads: int | None
     memory_gb: float
+
+
+def check_case(case: str) -> None:
+    """Refuse a case that there is not, before anything that renders is loaded.
+
+    Raises
+    ------
+    ScenarioError
+        It suggests the nearest.
+    """
+    from renders.scenario.case_files import case_path
+
+    case_path(case)

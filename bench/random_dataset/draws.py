@@ -227,7 +227,20 @@ def direction_in_cap(rng: np.random.Generator, axis: Floats, least: float, most:
 
 
 def at_angle(rng: np.random.Generator, axis: Floats, angle: float) -> Floats:
-    """Draw a direction, (3,), at an angle from an axis, rad, at any side of it."""
+    """Draw a direction at an angle from an axis, at any side of it.
+
+    Parameters
+    ----------
+    rng : numpy Generator
+    axis : (3,) array
+        Of length 1.
+    angle : float, rad
+
+    Returns
+    -------
+    (3,) array
+        Of length 1.
+    """
     first, second = _across(axis)
     azimuth = rng.uniform(0.0, 2.0 * np.pi)
     side = np.cos(azimuth) * first + np.sin(azimuth) * second

@@ -116,7 +116,15 @@ def datasets_within(folder: Path) -> list[Path]:
 
 
 def write_splits(out: Path, plan: Plan, part: Part) -> None:
-    """Write what each frame of a part is for, once its dataset has begun."""
+    """Write what each frame of a part is for, once its dataset has begun.
+
+    Parameters
+    ----------
+    out : Path
+        The whole dataset's folder.
+    plan : Plan
+    part : Part
+    """
     splits = [shot.split for shot in plan.of_part(part)]
     write_text(out / part.name / SPLITS_NAME, splits_to_csv(splits))
 

@@ -136,7 +136,16 @@ def make_plan(spec: Spec, where: Path) -> Plan:
 
 
 def part_of_pose(spec: Spec, parts: int, number: int) -> int:
-    """Return which part a pose is of: each once in a row of as many poses, in a drawn order."""
+    """Return which part a pose is of: each once in a row of as many poses, in a drawn order.
+
+    Parameters
+    ----------
+    spec : Spec
+    parts : int
+        How many there are.
+    number : int
+        Of the pose.
+    """
     turn, place = divmod(number, parts)
     return int(rng_of(spec, PART_OF_POSE, turn).permutation(parts)[place])
 

@@ -134,5 +134,5 @@ def test_a_scenario_that_cannot_be_is_told_with_the_specification() -> None:
         target=[{"spacecraft": "maxar1300"}],
     )
     plan = make_plan(spec, HERE)
-    with pytest.raises(ScenarioError, match="spec.toml: maxar1300-wide.*pair_gap_ms"):
+    with pytest.raises(ScenarioError, match=r"spec\.toml: maxar1300-wide.*pair_gap_ms"):
         plan.scenario(plan.parts[0])

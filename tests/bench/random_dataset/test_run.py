@@ -171,7 +171,8 @@ def test_each_folder_is_a_dataset_that_other_verbs_open(whole: Path, tmp_path: P
     dataset = open_dataset(folder)
     dataset.check_images()
     assert main(["show", str(folder), "1", "--out", str(tmp_path / "show.png")]) == 0
-    truth = [json.loads(s) for s in (folder / "truth" / "exposures.jsonl").read_text().splitlines()]
+    lines = (folder / "truth" / "exposures.jsonl").read_text().splitlines()
+    truth = [json.loads(line) for line in lines]
     estimates = [
         {
             "frame": each["frame"],
@@ -181,9 +182,8 @@ def test_each_folder_is_a_dataset_that_other_verbs_open(whole: Path, tmp_path: P
         for each in truth
     ]
     own = tmp_path / "mine.jsonl"
-    header = {"format": "rvbench-estimates", "version": 1}
-    del header
-    own.write_text("".join(json.dumps(each) + "\n" for each in estimates))
+    head = {"format": "rvbench-estimates", "version": 2}
+    own.write_text("".join(json.dumps(each) + "\n" for each in [head, *estimates]))
     assert main(["score", str(folder), "--estimates", str(own)]) == 0
     case = folder / "truth" / "scenario.toml"
     before = identities(folder, "[0-9]*.png")

@@ -65,7 +65,7 @@ def test_what_is_wrong_is_told(tmp_path: Path, changed: dict[str, Any], told: st
 @pytest.mark.parametrize("text", ["name = ", "\0", "name = nan\nframes = 1"])
 def test_what_is_no_specification_is_told(tmp_path: Path, text: str) -> None:
     (tmp_path / "spec.toml").write_text(text)
-    with pytest.raises(ScenarioError, match="spec.toml"):
+    with pytest.raises(ScenarioError, match=r"spec\.toml"):
         read_spec(tmp_path / "spec.toml")
     with pytest.raises(ScenarioError, match="rvbench new dataset"):
         read_spec(tmp_path / "absent.toml")
@@ -76,7 +76,7 @@ def test_a_cameras_file_lies_beside_the_specification(tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text(own.to_toml())
     spec = read(tmp_path, camera=[{"name": "own", "file": "own.toml"}])
     assert (spec.camera[0].fx, spec.camera[0].k1, spec.camera[0].file) == (100.0, -0.1, None)
-    with pytest.raises(ScenarioError, match="camera.file alone"):
+    with pytest.raises(ScenarioError, match=r"camera\.file alone"):
         read(tmp_path, camera=[{"name": "own", "file": "own.toml", "fx": 3.0}])
 
 
