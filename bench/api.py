@@ -17,13 +17,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from bench.api_options import (
-    DatasetOptions,
-    ExportOptions,
-    RenderOptions,
-    SweepOptions,
-    check_case,
-)
+from bench.api_options import DatasetOptions, ExportOptions, RenderOptions, SweepOptions, check_case
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs

@@ -72,6 +72,24 @@ def check_folder(out: Path, spec: Spec) -> None:
         )
 
 
+def check_cases(out: Path, plan: Plan) -> None:
+    """Refuse to go on with a part whose scenario is no longer what it was.
+
+    Raises
+    ------
+    DatasetError
+        The message says what may have changed; nothing was.
+    """
+    for part in plan.used:
+        path = case_path(out, part)
+        if path.is_file() and path.read_text() != plan.scenario(part).to_toml():
+            raise DatasetError(
+                f"expected the scenario of {part.name} as it was when {out} began; it is not: the "
+                "files of its spacecraft have changed, or rvbench itself has. Nothing was changed: "
+                "put them back, or choose another --out"
+            )
+
+
 def begin(out: Path, plan: Plan) -> None:
     """Write what tells of the whole, before anything is rendered.
 

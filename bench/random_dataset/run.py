@@ -13,7 +13,7 @@ from rich.console import Console
 from bench.random_dataset.card import card
 from bench.random_dataset.coverage import contact_sheet, coverage
 from bench.random_dataset.crew import Crew, Task, tasks_of
-from bench.random_dataset.folder import begin, case_path, check_folder, write_splits
+from bench.random_dataset.folder import begin, case_path, check_cases, check_folder, write_splits
 from bench.random_dataset.parts import Part
 from bench.random_dataset.plan import Plan, make_plan
 from bench.random_dataset.progress import dataset_progress
@@ -99,6 +99,7 @@ def make_dataset(request: DatasetRequest, console: Console | None = None) -> Dat
     spec = read_spec(request.spec)
     check_folder(request.out, spec)
     plan = make_plan(spec, request.spec)
+    check_cases(request.out, plan)
     asked = _asked(request, plan)
     begin(request.out, plan)
     write_bytes(request.out / COVERAGE, coverage(plan))

@@ -26,7 +26,7 @@ class Dataset:
     dataset` writes one with every key explained. Several Suns and exposures at a pose
     (suns_per_pose, exposures_per_sun) share its light: five Suns cost little more than one.
 
-    DIR gets a folder for each spacecraft, camera and specimen, a dataset that `show`, `run`,
+    DIR gets a folder for each spacecraft, camera and specimen, a dataset that `show`, `estimate`,
     `score` and `export` open; README.md with pictures of what was drawn, and counts of what was
     refused. Training, validation and test share no pose, and `export DIR` keeps them apart.
 
