@@ -73,16 +73,16 @@ def check_folder(out: Path, spec: Spec) -> None:
 
 
 def check_cases(out: Path, plan: Plan) -> None:
-    """Refuse to go on with a part whose scenario is no longer what it was.
+    """Refuse a part that cannot be rendered, or whose scenario is no longer what it was.
 
     Raises
     ------
-    DatasetError
-        The message says what may have changed; nothing was.
+    ScenarioError, DatasetError
+        The message says what is wrong, or what may have changed; nothing was written.
     """
     for part in plan.used:
-        path = case_path(out, part)
-        if path.is_file() and path.read_text() != plan.scenario(part).to_toml():
+        path, text = case_path(out, part), plan.scenario(part).to_toml()
+        if path.is_file() and path.read_text() != text:
             raise DatasetError(
                 f"expected the scenario of {part.name} as it was when {out} began; it is not: the "
                 "files of its spacecraft have changed, or rvbench itself has. Nothing was changed: "

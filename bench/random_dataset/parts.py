@@ -76,7 +76,10 @@ class Part:
     @cached_property
     def aim(self) -> Aim:
         """Its target, as poses are drawn about it."""
-        craft = target_of(self._without_rows)
+        try:
+            craft = target_of(self._without_rows)
+        except ScenarioError as error:
+            raise ScenarioError(f"{self.where}: {error}") from error
         typed = self.target.aim_m
         near, far = self.target.range_m or self.spec.pose.range_m
         factor = self.choice.range_factor

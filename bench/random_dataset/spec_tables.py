@@ -158,10 +158,15 @@ class Spec(Table):
     images: Literal["single", "pairs"] = Field(
         "single", description="pairs: at 800 and 850 nm, lit by the lamps; of targets with markers"
     )
-    target: Annotated[tuple[TargetTable, ...], Field(strict=False, min_length=1, max_length=100)]
+    target: Annotated[
+        tuple[TargetTable, ...], Field(strict=False, min_length=1, max_length=100)
+    ] = Field(description="a table [[target]] for each spacecraft")
     camera: Annotated[
         tuple[SpecCameraTable, ...], Field(strict=False, min_length=1, max_length=100)
-    ] = (SpecCameraTable(),)  # type: ignore[call-arg]
+    ] = Field(
+        (SpecCameraTable(),),  # type: ignore[call-arg]
+        description="a table [[camera]] for each",
+    )
     pose: PoseTable = PoseTable()  # type: ignore[call-arg]
     sun: SunsTable = SunsTable()  # type: ignore[call-arg]
     exposure: ExposuresTable = ExposuresTable()  # type: ignore[call-arg]

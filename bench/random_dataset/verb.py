@@ -22,13 +22,15 @@ class Dataset:
         rvbench dataset mine.toml --out out/mine
         rvbench export out/mine --as coco --out out/mine-coco
 
-    SPEC.toml names spacecraft and cameras, and says from where to where all is drawn; `rvbench new
-    dataset` writes one with every key explained. Several Suns and exposures at a pose
-    (suns_per_pose, exposures_per_sun) share its light: five Suns cost little more than one.
+    SPEC.toml names spacecraft and cameras, and says from where to where all is drawn; a start file
+    with every key explained comes from `rvbench new dataset`. Several Suns and exposures at a pose
+    (suns_per_pose, exposures_per_sun) share its light: that of five Suns costs 1.4 times that of
+    one.
 
-    DIR gets a folder for each spacecraft, camera and specimen, a dataset that `show`, `estimate`,
-    `score` and `export` open; README.md with pictures of what was drawn, and counts of what was
-    refused. Training, validation and test share no pose, and `export DIR` keeps them apart.
+    DIR gets a folder for each spacecraft, camera and specimen: each is a dataset, which the verbs
+    show, estimate, score and export open. Its README.md has pictures of what was drawn, and counts
+    of what was refused. Training, validation and test share no pose, and `rvbench export DIR` keeps
+    them apart.
 
     Frame number n is the same, to the bit, whatever was rendered before it. Stop it anywhere: the
     same command goes on. Another specification in the same DIR is refused, with what differs.

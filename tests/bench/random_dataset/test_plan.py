@@ -126,6 +126,11 @@ def test_folders_have_names_of_their_own_and_are_not_too_long() -> None:
         make_plan(spec_of(frames=60_000), HERE)
 
 
+def test_a_spacecraft_that_there_is_not_is_told_with_the_specification() -> None:
+    with pytest.raises(ScenarioError, match=r"spec\.toml: expected a spacecraft among .*'xmn'"):
+        make_plan(spec_of(target=[{"spacecraft": "xmn"}]), HERE)
+
+
 def test_a_scenario_that_cannot_be_is_told_with_the_specification() -> None:
     spec = spec_of(
         images="pairs",
