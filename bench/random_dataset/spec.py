@@ -90,11 +90,6 @@ def check_spec(spec: Spec, where: str) -> Spec:
             f"{where}: expected render.seed to be left out, the dataset's seed draws it for each "
             f"folder; got {spec.render.seed}"
         )
-    if spec.render.bounced == "looked_up":
-        raise ScenarioError(
-            f"{where}: expected render.bounced as traced or auto, got looked_up: each frame has a "
-            "Sun of its own"
-        )
     _check_names(spec, where)
     for table in spec.camera:
         check_camera(table, f"{where}: camera {table.name}")

@@ -8,7 +8,7 @@ from models.plain_console import plain_console
 from renders.batches.case_rendering import CaseRendering
 from renders.batches.render_progress import render_progress
 from renders.scenario.scenario import RenderRequest
-from renders.world.bounced_choice import told
+from renders.world.sun_paths import told
 
 
 def render_case(request: RenderRequest, console: Console | None = None) -> None:
@@ -29,7 +29,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         f"{world.scenario.name}, Sun {world.scenario.sun.default}: {case.info.frames} {frames} at "
         f"{world.camera.width} x {world.camera.height}, {case.variant}; "
         f"{len(case.there)} of {len(world.exposures)} exposures are there already; "
-        f"{told(case.keys.seen_from, len(world.suns))}",
+        f"{told(case.keys.sun_paths, len(world.suns))}",
         soft_wrap=True,
         markup=False,
     )

@@ -53,7 +53,6 @@ def read(folder: Path, **changed: Any) -> Spec:
         ({"camera": [{"name": "a", "width": 64, "height": 64}]}, "camera a: expected camera.fx"),
         ({"target": []}, "target"),
         ({"target": {"spacecraft": "xmm"}}, r"target to be a list \(a table \[\[target\]\] for"),
-        ({"render": {"bounced": "looked_up"}}, "expected render.bounced as traced or auto"),
         ({"render": {"seed": 3}}, "expected render.seed to be left out"),
         ({"camera": [{"name": "a", "file": "none.toml"}]}, "none.toml"),
     ],

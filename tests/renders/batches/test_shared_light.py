@@ -46,7 +46,7 @@ samples = 4
 marker_samples = 64
 {noise}
 """
-NOISES = ["", "noise = 1.0"]
+NOISES = ["", "noise = 1.0", "noise = 1.0\npaths = 20000"]
 
 
 def case(folder: Path, target: str = "hispasat", kind: str = "single", noise: str = "") -> Path:
