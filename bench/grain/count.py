@@ -25,7 +25,16 @@ class Detector:
     full_well_e: float
 
     def sigma_e(self, signal_e: Floats) -> Floats:
-        """Return its 1-sigma noise, e."""
+        """Return its 1-sigma noise, e.
+
+        Parameters
+        ----------
+        signal_e : (...,) array, e
+
+        Returns
+        -------
+        (...,) array, e
+        """
         return np.sqrt(signal_e + self.read_noise_e**2 + (UNIFORMITY * signal_e) ** 2)
 
 

@@ -74,6 +74,10 @@ def electrons(place: Place, light: dict[LightGroup, Radiance]) -> Floats:
     ----------
     place : Place
     light : dict of (...,) arrays, W m-2 sr-1
+
+    Returns
+    -------
+    (...,) array, e
     """
     scenario = place.world.scenario
     rate = electron_rate(light, scenario.simulated_optics, scenario.simulated_detector)

@@ -48,6 +48,12 @@ class Reference:
     def read(cls, row: Row, folder: Path = FOLDER) -> Reference:
         """Return a row's.
 
+        Parameters
+        ----------
+        row : Row
+        folder : Path
+            That holds them.
+
         Raises
         ------
         RvbenchError
@@ -71,7 +77,14 @@ class Reference:
         return made
 
     def write(self, row: Row, folder: Path = FOLDER) -> None:
-        """Keep it, rounded to ``BITS``."""
+        """Keep it, rounded to ``BITS``.
+
+        Parameters
+        ----------
+        row : Row
+        folder : Path
+            That holds them.
+        """
         from io import BytesIO
 
         made = BytesIO()
@@ -86,12 +99,21 @@ class Reference:
 
 
 def rounded(values: Floats) -> AnyArray:
-    """Return float32 numbers of ``BITS`` binary digits, which compress well."""
+    """Return numbers of ``BITS`` binary digits, which compress well.
+
+    Parameters
+    ----------
+    values : (...,) array
+
+    Returns
+    -------
+    (...,) float32 array
+    """
     mantissa, exponent = np.frexp(values)
     return np.ldexp(np.round(mantissa * 2.0**BITS) / 2.0**BITS, exponent).astype(np.float32)
 
 
-def make(row: Row, folder: Path, samples: int) -> None:
+def _make(row: Row, folder: Path, samples: int) -> None:
     """Trace a row's reference and keep it."""
     from bench.grain.light import path_traced, seen
 
@@ -115,7 +137,7 @@ def main() -> int:
     asked.folder.mkdir(parents=True, exist_ok=True)
     for row in REFERENCED:
         if asked.rows is None or row.name in asked.rows:
-            make(row, asked.folder, asked.samples)
+            _make(row, asked.folder, asked.samples)
             print(row.name, flush=True)
     return 0
 

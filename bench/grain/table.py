@@ -90,7 +90,7 @@ def main() -> int:
             for name in asked.ways:
                 render = {**WAYS[name], "seed": asked.seed}
                 found, bake_s, light_s = measured(row, render, asked.references)
-                table.add_row(*cells(row, name, found, bake_s, light_s))
+                table.add_row(*_cells(row, name, found, bake_s, light_s))
             missed += not holds(row, found)
         except RvbenchError as error:
             console.print(f"{error}", style="red", markup=False)
@@ -99,7 +99,7 @@ def main() -> int:
     return int(missed > 0)
 
 
-def cells(row: Row, name: str, found: Grain, bake_s: float, light_s: float) -> list[str]:
+def _cells(row: Row, name: str, found: Grain, bake_s: float, light_s: float) -> list[str]:
     """Return one line of the table: shares in percent, biases in percent, times in seconds."""
     shares = [f"{100.0 * share:.3g}" for share in found.above]
     biases = [f"{100.0 * bias:+.2f} %" for bias in (found.frame_bias, found.worst_tile)]

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from models.errors import ScenarioError
 from models.materials import MOST_OF_A_FACE, BandReflectance, Material
+from models.surface_detail import MOST_CREASED
 from renders.scenario.table import Name, Table
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ LEAST_ROUGHNESS, MOST_ROUGHNESS = 0.05, 1.0  # see ``models.materials.Material``
 class SurfaceTable(Table):
     """How a material of the target differs from what is said of it, as one specimen from another.
 
-    Reflectances never exceed 1 in all, nor roughness its range: they stop there.
+    Reflectances never exceed 1 in all, where a surface's detail is brightest, nor roughness its
+    range: they stop there, and creases with a roughness that would not hold them.
     """
 
     material: Name = Field(description="of the target, such as mli_gold")
@@ -37,14 +39,18 @@ def varied(material: Material, table: SurfaceTable) -> Material:
     most = MOST_OF_A_FACE if material.is_dielectric else 1.0
     diffuse = [table.diffuse * value for value in material.diffuse.bands]
     specular = [min(table.specular * value, most) for value in material.specular.bands]
-    excess = max(1.0, *(one + other for one, other in zip(diffuse, specular, strict=True)))
-    shrink = 1.0 if excess == 1.0 else (1.0 - 1e-9) / excess
+    detail = material.detail
+    room = 1.0 / ((1.0 + detail.mottling) * (1.0 + detail.tile_spread))  # of the brightest place
+    excess = max(one + other for one, other in zip(diffuse, specular, strict=True)) / room
+    shrink = 1.0 if excess <= 1.0 else (1.0 - 1e-9) / excess
     roughness = min(max(table.roughness * material.roughness, LEAST_ROUGHNESS), MOST_ROUGHNESS)
+    creased = min(detail.crease_slope, (1.0 - 1e-9) * MOST_CREASED * roughness)
     return replace(
         material,
         diffuse=BandReflectance(*(shrink * value for value in diffuse)),
         specular=BandReflectance(*(shrink * value for value in specular)),
         roughness=roughness,
+        detail=replace(detail, crease_slope=creased),
         source=f"{material.source}; varied by the scenario",
     )
 
