@@ -32,6 +32,7 @@ from bench.export.source import Source, open_source
 from bench.export.tables import table_files
 from bench.export.tone_curve import ToneCurve, tone_curve
 from bench.progress import frame_progress
+from bench.random_dataset.folder import datasets_within
 
 EIGHT = 8
 
@@ -60,7 +61,8 @@ def export_datasets(request: ExportRequest) -> Plan:
     kind = format_named(request.kind)
     if request.mcap:
         check_mcap()
-    sources = [open_source(number + 1, folder) for number, folder in enumerate(request.datasets)]
+    folders = [each for given in request.datasets for each in datasets_within(given)]
+    sources = [open_source(number + 1, folder) for number, folder in enumerate(folders)]
     plan = make_plan(sources, request.split, request.split_seed, request.split_block)
     kind.refuse(plan)
     versions = f"rvbench {version('rvbench')}"

@@ -21,6 +21,7 @@ from bench.export.plan import Plan
 from bench.export.records import HIDDEN
 from bench.export.request import ExportRequest
 from models.atomic_file import sweep_scratch, whole_or_absent, write_text
+from models.dataset.split_file import FILE_NAME as SPLITS
 from models.errors import DatasetError, UnreadableError
 from models.output_folder import check_empty, check_place
 from models.reading.fields import Fields
@@ -64,6 +65,7 @@ def marking(request: ExportRequest, plan: Plan, versions: str) -> dict[str, Any]
                 "frames": source.dataset.info.frames,
                 "public_half": source.fingerprint,
                 "truth": _hash_of(source.truth.path),
+                **({} if source.splits is None else {"splits": _hash_of(source.folder / SPLITS)}),
             }
             for source in plan.sources
         ],

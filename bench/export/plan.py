@@ -1,7 +1,8 @@
 """What leaves, in which order, and into which split: decided before anything is written.
 
-Splits are drawn by a recorded seed from blocks of frames that follow each other, so that a frame
-and its neighbour, nearly the same, need not end on both sides; all streams of a frame go together.
+Splits are those that a dataset brings (``splits.csv``), or else drawn by a recorded seed from
+blocks of frames that follow each other, so that a frame and its neighbour, nearly the same, need
+not end on both sides; all streams of a frame go together.
 An image without any truth goes to none of them: its split is ``unlabelled``.
 """
 
@@ -192,6 +193,8 @@ def _drawn(
 ) -> dict[int, str]:
     """Return each frame's split: the blocks in a drawn order, cut where the shares end."""
     frames = source.dataset.indices
+    if source.splits is not None:
+        return {frame: source.splits.get(frame, UNLABELLED) for frame in frames}
     blocks = [frames[start : start + block] for start in range(0, len(frames), block)]
     order = np.random.default_rng([seed, SPLIT_DRAW, source.number]).permutation(len(blocks))
     ends = np.rint(np.cumsum(shares) * len(blocks)).astype(int)
