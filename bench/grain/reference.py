@@ -1,7 +1,7 @@
 """References of grain: tiles of frames, path-traced until their own noise is nothing.
 
-``python -P -m bench.grain.reference`` makes them anew, a quarter of an hour of a core; whatever changes the
-physics of light makes it due. They are kept beside the papers' tables.
+``python -P -m bench.grain.reference`` makes them anew, a quarter of an hour of a core;
+whatever changes the physics of light makes it due. They are kept beside the papers' tables.
 """
 
 from __future__ import annotations
