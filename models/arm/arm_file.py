@@ -47,7 +47,7 @@ MOST_JOINTS = 30
 LINK_M = (-50.0, 50.0)  # a dimension of a link
 RADIUS_M = 0.05  # of a link whose radius is not told
 CONVENTIONS = ("denavit_hartenberg", "craig")
-URDF = ".urdf"
+URDF = "urdf"
 NUMBERS = ("a_m", "alpha_deg", "d_m", "lower_deg", "upper_deg")
 
 
@@ -77,6 +77,11 @@ def read_arm_lines(path: Path) -> list[str]:
     return read_lines(path, MOST_ARM_BYTES)
 
 
+def is_urdf(where: Path | str) -> bool:
+    """Tell by the end of its name whether a file is a URDF."""
+    return str(where).lower().endswith(URDF)
+
+
 def own_arm(lines: Sequence[str], where: Path | str, chaser_from_base: RigidTransform) -> OwnArm:
     """Return the arm of a file.
 
@@ -95,7 +100,7 @@ def own_arm(lines: Sequence[str], where: Path | str, chaser_from_base: RigidTran
         If a key is missing or unknown, a value cannot be, or it is no arm of turning joints.
     """
     text = "\n".join(lines)
-    if str(where).lower().endswith(URDF):
+    if is_urdf(where):
         return OwnArm(arm_of_urdf(text, where, chaser_from_base), None)
     try:
         check_toml_nesting(Path(where), text)

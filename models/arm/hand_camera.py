@@ -6,10 +6,12 @@ So it still sees the markers from 0.4 m when the gripper touches (Opromolla et a
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from models.arm.arm import Arm
+from models.arm.arm import Arm, Capsule
 from models.arm.kinematics import chaser_from_tool
 from models.arrays import Floats
 from models.onboard import PosePrior
@@ -22,6 +24,24 @@ from models.pose import (
 
 END_EFFECTOR_IN_CAMERA_M = (0.0, 0.20, 0.40)
 HAND_FROM_TOOL = RigidTransform(np.eye(3), np.array(END_EFFECTOR_IN_CAMERA_M))
+HAND_CAMERA = "hand_camera"
+BEHIND_LENS_M = (0.045, 0.075)  # from where to where its capsule's axis lies
+AROUND_M = 0.055
+
+
+def with_hand_camera(arm: Arm, hand_from_tool: RigidTransform = HAND_FROM_TOOL) -> Arm:
+    """Return an arm with its camera among what must stay clear.
+
+    Parameters
+    ----------
+    arm : Arm
+    hand_from_tool : RigidTransform
+        The mount: the end effector in the camera's axes.
+    """
+    last_from_hand = arm.last_from_tool @ hand_from_tool.inverse()
+    back, front = (last_from_hand @ np.array([0.0, 0.0, -z]) for z in reversed(BEHIND_LENS_M))
+    camera = Capsule(len(arm.joints), HAND_CAMERA, back, front, AROUND_M)
+    return replace(arm, capsules=(*arm.capsules, camera))
 
 
 def hand_from_chaser(

@@ -55,7 +55,6 @@ def house_arm() -> Arm:
             _capsule(5, "forearm", (0.0, 0.0, 0.0), (0.0, 0.0, FORE_M), TUBE_M),
             _capsule(6, "wrist", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), JOINT_M),
             _capsule(7, "palm", (0.0, 0.0, 0.0), (0.0, 0.0, GRIPPER_FROM_M - PALM_M), PALM_M),
-            _capsule(7, "hand_camera", (0.0, -0.2, 0.08), (0.0, -0.2, 0.14), 0.05),
             _capsule(7, "gripper", (0.0, 0.0, GRIPPER_FROM_M), (0.0, 0.0, HAND_M), GRIPPER_M),
         ),
     )

@@ -36,6 +36,7 @@ from renders.store.claims import Claim
 from renders.store.kept_light import checked_budget, keeping
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, default_store
+from renders.truth.arm_truth import ARM_TRUTH, arm_truth_lines
 from renders.variant.choice import choose_variant
 from renders.world.bounced_choice import told
 from renders.world.build import world_of
@@ -87,6 +88,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         world.bands,
         world.clock(0),
         world.target.markers if markers_are_told_otherwise(world.scenario.told) else None,
+        {} if (arm := arm_truth_lines(world)) is None else {ARM_TRUTH: arm},
     )
     poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
     is_there = {e: writer.has_exposure(e.frame, e.band) for e in world.exposures}
@@ -169,6 +171,6 @@ def _put_pixel_truth(
     place, key = (exposure.frame, exposure.band), studio.keys.geometry(exposure, cam_from_target)
     if writer.take_pixel_truth(*place, studio.store, key):
         return
-    writer.write_pixel_truth(*place, studio.pixel_truth(cam_from_target), key)
+    writer.write_pixel_truth(*place, studio.pixel_truth(exposure, cam_from_target), key)
     if studio.kept.keeps(exposure.frame):
         studio.store.take(key, writer.geometry_path(*place))

@@ -14,6 +14,7 @@ from models.motion.table_motion import TableMotion
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.onboard import FlightExpectations
 from models.sky.earth_pointing import rotation_from_wxyz
+from models.spacecraft.armed_chaser import armed_chaser
 from models.spacecraft.catalogue import spacecraft_by_name
 from models.spacecraft.own_markers import with_own_markers
 from models.spacecraft.part import Spacecraft
@@ -24,9 +25,14 @@ from renders.scenario.own_target import target_of, wireframe_if_any, wireframe_o
 from renders.scenario.scenario import Scenario
 from renders.scenario.tumble_tables import TumbleTable
 from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
+from renders.world.arm_aboard import ArmAboard, CarriedCamera, Moved
+from renders.world.arm_clear import clear_of_everything
+from renders.world.arm_planned import arm_aboard
+from renders.world.arm_told import FirstPoseByArm, JointReadings, ToldArm
 from renders.world.bodies import Bodies
 from renders.world.cameras import pair_camera, single_camera
 from renders.world.checks import (
+    Check,
     Sunlit,
     centre_in_image,
     exposed_before_the_next,
@@ -44,7 +50,7 @@ from renders.world.exposure_plan import (
 from renders.world.moving_sun import with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
-from renders.world.table_sensors import ChaserNavigation
+from renders.world.table_sensors import ChaserNavigation, TableSensor
 from renders.world.trajectory import FreeMotion, Trajectory
 from renders.world.world import World
 
@@ -61,7 +67,8 @@ def world_of(scenario: Scenario) -> World:
 
 def _pairs(scenario: Scenario) -> World:
     """Image pairs of a target with markers, under a sky that stands still over it."""
-    moving, bodies, sensor = _moving(scenario), _bodies(scenario, "chaser"), pair_camera(scenario)
+    moving = _moving(scenario)
+    bodies, sensor = _bodies(scenario, moving, has_chaser=True), pair_camera(scenario)
     return World(
         scenario=scenario,
         chain=PAIRS,
@@ -75,18 +82,22 @@ def _pairs(scenario: Scenario) -> World:
             calibration=scenario.calibration,
             detector=scenario.simulated_detector,
             marked=bodies,
-            first_pose=FirstPose(moving.trajectory, scenario.times_s[0], scenario.prior),
+            first_pose=_first_pose(scenario, moving),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
+            arm=moving.told_arm,
         ),
         truth=OfMarkers(),
-        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next),
+        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next, *moving.checks),
+        tables=moving.tables,
+        arm=moving.arm,
     )
 
 
 def _singles(scenario: Scenario) -> World:
     """Single images of a target, as it is met; nothing is known on board of where it is."""
-    moving, bodies, sensor = _moving(scenario), _bodies(scenario), single_camera(scenario)
+    moving = _moving(scenario)
+    bodies, sensor = _bodies(scenario, moving), single_camera(scenario)
     wireframe = wireframe_if_any(scenario)
     share = scenario.pixel_scale**2
     return World(
@@ -104,9 +115,12 @@ def _singles(scenario: Scenario) -> World:
             wireframe=wireframe,
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
+            arm=moving.told_arm,
         ),
         truth=OfPoses(wireframe),
-        checks=(outside_the_target, shown_in_some_image),
+        checks=(outside_the_target, shown_in_some_image, *moving.checks),
+        tables=moving.tables,
+        arm=moving.arm,
     )
 
 
@@ -164,22 +178,63 @@ class Moving:
         As it is, and as the chaser reckons with.
     sky : FixedInTarget
     table : TableMotion or None
+    arm : ArmAboard or None
+    told_arm : ToldArm or None
     """
 
     trajectory: Trajectory
     plan: Trajectory
     sky: FixedInTarget
     table: TableMotion | None = None
+    arm: ArmAboard | None = None
+    told_arm: ToldArm | None = None
+
+    @property
+    def tables(self) -> tuple[TableSensor, ...]:
+        """The arm's joints as read."""
+        return () if self.told_arm is None else (JointReadings(self.told_arm),)
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether the arm stays clear."""
+        return () if self.arm is None else (clear_of_everything,)
 
 
 def _moving(scenario: Scenario) -> Moving:
+    """Return what moves, the arm with it."""
+    moving = _without_arm(scenario)
+    if scenario.arm is None:
+        return moving
+    arm = arm_aboard(scenario, scenario.arm, moving.trajectory)
+    told = ToldArm(arm, None if scenario.told is None else scenario.told.arm)
+    moving = replace(moving, arm=arm, told_arm=told)
+    if not arm.carries_camera:
+        return moving
+    return replace(
+        moving,
+        trajectory=CarriedCamera(arm, moving.trajectory),
+        plan=CarriedCamera(arm, moving.plan),
+    )
+
+
+def _without_arm(scenario: Scenario) -> Moving:
     if scenario.motion_kind == "poses":
         table = table_motion_of(scenario)
         return Moving(table, table, FixedInTarget(scenario.earth, scenario.stars), table)
     approach = Approach() if scenario.motion.target_wobble else Approach(pointing_accuracy_deg=0.0)
     flight_plan = replace(approach, pointing_accuracy_deg=0.0)  # the target does not sway
     sky = FixedInTarget(scenario.earth, scenario.stars, approach.wobble)
-    return Moving(approach, flight_plan, sky)
+    ring = scenario.motion.ring_in_target_m
+    if ring is None:
+        return Moving(approach, flight_plan, sky)
+    return Moving(Moved(approach, ring), Moved(flight_plan, ring), sky)
+
+
+def _first_pose(scenario: Scenario, moving: Moving) -> FirstPose | FirstPoseByArm:
+    start_s, table = scenario.times_s[0], scenario.prior
+    if table.by == "arm" and moving.told_arm is not None:
+        return FirstPoseByArm(moving.told_arm, start_s, table)
+    return FirstPose(moving.trajectory, start_s, table)
 
 
 def _target(scenario: Scenario) -> Spacecraft:
@@ -189,15 +244,19 @@ def _target(scenario: Scenario) -> Spacecraft:
     return with_own_markers(target, markers_from(scenario.markers, scenario.name))
 
 
-def _bodies(scenario: Scenario, chaser: str | None = None) -> Bodies:
+def _bodies(scenario: Scenario, moving: Moving | None = None, has_chaser: bool = False) -> Bodies:
+    """Return the target and the chaser, where that is near enough or carries an arm."""
     table = scenario.retroreflector
+    make_chaser = partial(spacecraft_by_name, "chaser") if has_chaser else None
+    if moving is not None and moving.arm is not None:
+        make_chaser = partial(armed_chaser, moving.arm.motion.arm, moving.arm.hand_from_tool)
     return Bodies(
         make_target=partial(_target, scenario),
         optics=RetroreflectorOptics(
             half_angle_deg=table.half_angle_deg,
             returned=BandReflectance(0.0, table.returned_800, table.returned_850),
         ),
-        make_chaser=None if chaser is None else partial(spacecraft_by_name, chaser),
+        make_chaser=make_chaser,
     )
 
 

@@ -140,7 +140,7 @@ def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -
         exposure = world.exposures[1]
         pose = world.trajectory.cam_from_target(exposure.time_s)
         images.append(studio.trace(exposure, pose, world.groups(exposure)))
-        truths.append(studio.pixel_truth(pose))
+        truths.append(studio.pixel_truth(exposure, pose))
     few, every = images
     assert few.keys() == every.keys()
     for name, image in few.items():
