@@ -46,6 +46,14 @@ class MotionTable(Table):
         None, description="date and time of motion time 0, such as 2026-03-20T12:00:00Z"
     )
 
+    longitude_deg: float | None = Field(
+        None,
+        ge=-360,
+        le=360,
+        description="east, of the geostationary target, with epoch_utc: how it stands among the "
+        "stars and under the Sun follows",
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _date_as_text(cls, table: Any) -> Any:

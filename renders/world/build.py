@@ -14,6 +14,7 @@ from models.motion.table_motion import TableMotion
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.onboard import FlightExpectations
 from models.sky.earth_pointing import rotation_from_wxyz
+from models.sky.sun_ephemeris import right_ascension_over
 from models.spacecraft.armed_chaser import armed_chaser
 from models.spacecraft.catalogue import spacecraft_by_name
 from models.spacecraft.own_markers import with_own_markers
@@ -23,6 +24,8 @@ from renders.scenario.marker_tables import markers_from
 from renders.scenario.motion_choice import table_motion_of
 from renders.scenario.own_target import target_of, wireframe_if_any, wireframe_of
 from renders.scenario.scenario import Scenario
+from renders.scenario.sky_tables import StarsTable
+from renders.scenario.sun_choice import EPOCH, epoch_in
 from renders.scenario.tumble_tables import TumbleTable
 from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
 from renders.world.arm_aboard import ArmAboard, CarriedCamera, Moved
@@ -39,6 +42,7 @@ from renders.world.checks import (
     free_about_its_centre,
     outside_the_target,
     shown_in_some_image,
+    sun_not_behind_the_earth,
 )
 from renders.world.exposure_plan import (
     ExposurePlan,
@@ -180,6 +184,8 @@ class Moving:
     table : TableMotion or None
     arm : ArmAboard or None
     told_arm : ToldArm or None
+    by_date : bool
+        Whether the Sun stands where the date has it.
     """
 
     trajectory: Trajectory
@@ -188,6 +194,7 @@ class Moving:
     table: TableMotion | None = None
     arm: ArmAboard | None = None
     told_arm: ToldArm | None = None
+    by_date: bool = False
 
     @property
     def tables(self) -> tuple[TableSensor, ...]:
@@ -196,8 +203,9 @@ class Moving:
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Whether the arm stays clear."""
-        return () if self.arm is None else (clear_of_everything,)
+        """Whether the arm stays clear, and the Earth away from a Sun by date."""
+        by_date = () if not self.by_date else (sun_not_behind_the_earth,)
+        return by_date if self.arm is None else (*by_date, clear_of_everything)
 
 
 def _moving(scenario: Scenario) -> Moving:
@@ -223,11 +231,20 @@ def _without_arm(scenario: Scenario) -> Moving:
         return Moving(table, table, FixedInTarget(scenario.earth, scenario.stars), table)
     approach = Approach() if scenario.motion.target_wobble else Approach(pointing_accuracy_deg=0.0)
     flight_plan = replace(approach, pointing_accuracy_deg=0.0)  # the target does not sway
-    sky = FixedInTarget(scenario.earth, scenario.stars, approach.wobble)
-    ring = scenario.motion.ring_in_target_m
+    sky = FixedInTarget(scenario.earth, _stars(scenario), approach.wobble)
+    ring, by_date = scenario.motion.ring_in_target_m, scenario.sun.default == EPOCH
     if ring is None:
-        return Moving(approach, flight_plan, sky)
-    return Moving(Moved(approach, ring), Moved(flight_plan, ring), sky)
+        return Moving(approach, flight_plan, sky, by_date=by_date)
+    return Moving(Moved(approach, ring), Moved(flight_plan, ring), sky, by_date=by_date)
+
+
+def _stars(scenario: Scenario) -> StarsTable:
+    """Return how an approached target stands among the stars, typed or by date and longitude."""
+    longitude_deg = scenario.motion.longitude_deg
+    if longitude_deg is None:
+        return scenario.stars
+    zenith_deg = right_ascension_over(longitude_deg, epoch_in(scenario))
+    return scenario.stars.model_copy(update={"zenith_right_ascension_deg": zenith_deg})
 
 
 def _first_pose(scenario: Scenario, moving: Moving) -> FirstPose | FirstPoseByArm:
