@@ -21,7 +21,7 @@ BASE_IN_CHASER = (0.32, -0.46, -0.03)  # on the front, m, axes of the chaser-fix
 SHOULDER_M, UPPER_M, FORE_M, HAND_M = 0.30, 1.05, 1.00, 0.60
 TUBE_M, JOINT_M = 0.055, 0.085  # radii of the links' tubes and of the joints' housings
 PALM_M, GRIPPER_M = 0.07, 0.024
-GRIPPER_FROM_M = 0.26  # along the hand, where the palm ends
+PALM_END_M = 0.19  # along the hand
 
 ROWS = (
     Row("shoulder_roll", 0.0, -90.0, SHOULDER_M, 0.0, -170.0, 170.0),
@@ -54,8 +54,8 @@ def house_arm() -> Arm:
             _capsule(4, "elbow", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), JOINT_M),
             _capsule(5, "forearm", (0.0, 0.0, 0.0), (0.0, 0.0, FORE_M), TUBE_M),
             _capsule(6, "wrist", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), JOINT_M),
-            _capsule(7, "palm", (0.0, 0.0, 0.0), (0.0, 0.0, GRIPPER_FROM_M - PALM_M), PALM_M),
-            _capsule(7, "gripper", (0.0, 0.0, GRIPPER_FROM_M), (0.0, 0.0, HAND_M), GRIPPER_M),
+            _capsule(7, "palm", (0.0, 0.0, 0.0), (0.0, 0.0, PALM_END_M), PALM_M),
+            _capsule(7, "gripper", (0.0, 0.0, PALM_END_M), (0.0, 0.0, HAND_M), GRIPPER_M),
         ),
     )
 

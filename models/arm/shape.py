@@ -24,6 +24,7 @@ PROUD = 1.2  # a collar over its link's tube
 ALONG = 0.9  # cosine, from which a joint turns about its link and not across it
 CAMERA_M = (0.075, 0.075, 0.10)  # the hand camera's body, behind its lens
 LENS_M, HOOD_M = 0.020, 0.026
+SHY_M = 0.003
 PART = "robot_arm"
 
 
@@ -68,8 +69,8 @@ def _link(capsule: Capsule) -> Iterator[Part]:
     tube = cylinder(radius, 0.0, length, SEGMENTS)
     yield Part(PART, placed(tube, stands), "white_paint", smooth=True)
     fit = min(0.25 * length, 0.6 * radius)
-    for low, high in ((0.0, fit), (length - fit, length)):
-        ring = cylinder(1.06 * radius, low, high, SEGMENTS)
+    for low in (SHY_M, length - fit - SHY_M):  # no face of it lies in one of the tube's
+        ring = cylinder(1.06 * radius, low, low + fit, SEGMENTS)
         yield Part(PART, placed(ring, stands), "anodised_aluminium", smooth=True)
 
 
@@ -92,7 +93,7 @@ def _housing(arm: Arm, number: int) -> Iterator[Part]:
     yield Part(PART, placed(drum, stands), "white_paint", smooth=True)
     if not rolls:
         for sign in (-1.0, 1.0):
-            cap = cylinder(0.5 * radius, half, half + 0.12 * radius, SEGMENTS)
+            cap = cylinder(0.5 * radius, half - SHY_M, half + 0.12 * radius, SEGMENTS)
             yield Part(
                 PART, placed(cap, standing(place, sign * axis)), "anodised_aluminium", smooth=True
             )
