@@ -22,7 +22,7 @@ from models.pose import RigidTransform
 STARTS = 60  # postures from which a search begins
 STEPS = 80
 FOUND = 1e-10  # of rad, and of the arm's reach: beyond this a pose is not met
-FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-16, 1e6
+FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e6  # the least keeps off singular
 STALLED = 1e-14  # relative gain of a step
 SEED = 0xA12
 

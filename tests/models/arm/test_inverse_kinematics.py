@@ -110,3 +110,20 @@ def test_a_pose_too_near_is_told_apart_from_one_too_far():
     message = refused(long_hand, RigidTransform(np.eye(3), np.array([0.1, 0.0, 0.2])))
     assert "even without limits" in message
     assert "the end effector, 4.000 m long" in message
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    angles=st.lists(st.sampled_from([-1.0, -0.5, 0.0, 0.5, 1.0]), min_size=7, max_size=7),
+    start=st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=7, max_size=7),
+    shift=st.sampled_from([0.0, 1e-9, 0.3]),
+)
+def test_where_axes_line_up_and_joints_stand_at_limits_a_search_just_ends(angles, start, shift):
+    arm = house_arm()
+    span = arm.upper_rad - arm.lower_rad
+    aim = base_from_tool(arm, np.array(angles) * arm.upper_rad)
+    aim = RigidTransform(aim.rotation, aim.translation + shift)
+    attempt = search(arm, aim, arm.lower_rad + np.array(start) * span)
+    assert np.isfinite(attempt.angles_rad).all()
+    assert (attempt.angles_rad >= arm.lower_rad).all()
+    assert (attempt.angles_rad <= arm.upper_rad).all()
