@@ -182,7 +182,13 @@ def _placed(table: Fields) -> RigidTransform:
 
 
 def fixed_axes(place_m: Floats, rpy_deg: Floats) -> RigidTransform:
-    """Return a pose from its place, (3,) m, and turns about the fixed axes x, y and z, (3,) deg."""
+    """Return a pose from its place and its turns about the fixed axes x, y and z, in that order.
+
+    Parameters
+    ----------
+    place_m : (3,) array, m
+    rpy_deg : (3,) array, deg
+    """
     from scipy.spatial.transform import Rotation
 
     return RigidTransform(Rotation.from_euler("xyz", rpy_deg, degrees=True).as_matrix(), place_m)

@@ -79,7 +79,19 @@ def solutions(
 
 
 def start_postures(arm: Arm, near_rad: ArrayLike | None, starts: int) -> Iterator[Floats]:
-    """Yield where searches begin, (n,), rad: as told, in the middle, then drawn evenly."""
+    """Yield where searches begin: as told, in the middle, then drawn evenly.
+
+    Parameters
+    ----------
+    arm : Arm
+    near_rad : (n,) array, rad, optional
+    starts : int
+        How many are drawn.
+
+    Yields
+    ------
+    (n,) array, rad
+    """
     if near_rad is not None:
         yield np.clip(np.asarray(near_rad, dtype=np.float64), arm.lower_rad, arm.upper_rad)
     yield arm.middle_rad

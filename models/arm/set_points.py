@@ -82,9 +82,9 @@ def planned(arm: Arm, points: Sequence[SetPoint], near_deg: ArrayLike | None = N
         return motion
     near_rad = _radians(near_deg)
     for number, (point, name) in enumerate(zip(points, NAMES, strict=True), start=1):
-        aim = arm.chaser_from_base.inverse() @ point.chaser_from_tool
-        if next(solutions(arm, aim, near_rad), None) is None:
-            raise unreachable(arm, aim, f"set-point {number}, {name},", near_rad)
+        base_from_tool = arm.chaser_from_base.inverse() @ point.chaser_from_tool
+        if next(solutions(arm, base_from_tool, near_rad), None) is None:
+            raise unreachable(arm, base_from_tool, f"set-point {number}, {name},", near_rad)
     raise ScenarioError(
         f"expected {arm.name} to go by its three set-points within its joints' limits, got "
         "postures at each from which its joints cannot turn to the next; move a set-point or the "
@@ -118,10 +118,12 @@ def _radians(angles_deg: ArrayLike | None) -> Floats | None:
     return None if angles_deg is None else np.deg2rad(np.asarray(angles_deg, dtype=np.float64))
 
 
-def _postures(arm: Arm, aim: RigidTransform, near_rad: Floats | None) -> Iterator[Floats]:
+def _postures(
+    arm: Arm, base_from_tool: RigidTransform, near_rad: Floats | None
+) -> Iterator[Floats]:
     """Yield different postures that meet a pose, (n,), rad."""
     seen: list[Floats] = []
-    for angles in solutions(arm, aim, near_rad):
+    for angles in solutions(arm, base_from_tool, near_rad):
         if any(np.abs(angles - other).max() < SAME_RAD for other in seen):
             continue
         seen.append(angles)

@@ -47,8 +47,10 @@ def unreachable(
     )
 
 
-def _nearest(arm: Arm, aim: RigidTransform, near_rad: ArrayLike | None) -> Attempt:
-    attempts = [search(arm, aim, start) for start in start_postures(arm, near_rad, TRIED)]
+def _nearest(arm: Arm, base_from_tool: RigidTransform, near_rad: ArrayLike | None) -> Attempt:
+    attempts = [
+        search(arm, base_from_tool, start) for start in start_postures(arm, near_rad, TRIED)
+    ]
     return min(attempts, key=lambda each: np.hypot(each.turn_rad * arm.reach_m, each.shift_m))
 
 
@@ -65,10 +67,10 @@ def _by_limit(arm: Arm, best: Attempt) -> str:
     return f"{' and '.join(told)}, which forbids it"
 
 
-def _by_length(arm: Arm, aim: RigidTransform, free: Attempt) -> str:
+def _by_length(arm: Arm, base_from_tool: RigidTransform, free: Attempt) -> str:
     """Name the longest link of an arm that is too short, or does not fold small enough."""
     first = arm.fixed[0, :3, 3]
-    asked_m = float(np.linalg.norm(aim.translation - first))
+    asked_m = float(np.linalg.norm(base_from_tool.translation - first))
     lengths = np.linalg.norm(arm.fixed[1:, :3, 3], axis=1)
     longest = int(np.argmax(lengths))
     link = (

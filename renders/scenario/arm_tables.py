@@ -54,10 +54,10 @@ class ArmTable(Table):
     )
     touches_s: float = Field(330.0, ge=-1e6, le=1e6, description="set-point 3: contact")
     ready_in_chaser_m: Placed = Field(
-        (-0.45, -0.9, 0.15), description="end effector at set-point 1, axes of that camera"
+        (-0.2, -0.85, 0.5), description="end effector at set-point 1, axes of that camera"
     )
     ready_rpy_deg: Placed = Field(
-        (0.0, 180.0, 0.0), description="its turns there, x first; its z is the way it points"
+        (90.0, 0.0, 180.0), description="its turns there, x first; its z is the way it points"
     )
     grasp_in_target_m: Triple = Field(
         (0.0, 0.83, 0.0), description="end effector at contact: the grasping point, on the ring"

@@ -141,5 +141,5 @@ def test_the_arm_is_read():
     lines = EXAMPLES["own/arm.toml"].splitlines()
     own = own_arm(lines, "arm.toml", RigidTransform.identity())
     assert [joint.name for joint in own.arm.joints] == ["shoulder", "elbow", "wrist"]
-    assert own.arm.reach_m == pytest.approx(1.9)
+    assert own.arm.reach_m == pytest.approx(0.3 + 1.0 + np.hypot(0.8, 0.1))
     assert own.near_deg.tolist() == [0.0, 60.0, -90.0]

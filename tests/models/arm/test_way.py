@@ -27,7 +27,9 @@ from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.solids import box
 
 GRASP = RigidTransform(np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.83, 0.0]))
-READY = RigidTransform(np.diag([-1.0, 1.0, -1.0]), np.array([-0.45, -0.9, 0.15]))
+READY = RigidTransform(
+    np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]), np.array([-0.2, -0.85, 0.5])
+)
 TIMES_S = (240.0, 282.3, 330.0)
 MET_M, MET_DEG = 1e-6, 1e-5  # of commanded angles of 1e-6 deg
 MARKERS_IN_GRASP = np.array([[-0.15, -0.15, 0.0], [0.15, -0.15, 0.0], [0.15, -0.25, 0.0]])
