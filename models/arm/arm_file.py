@@ -96,7 +96,7 @@ def own_arm(lines: Sequence[str], where: Path | str, chaser_from_base: RigidTran
 
     Raises
     ------
-    DatasetError
+    DatasetError, UnreadableError
         If a key is missing or unknown, a value cannot be, or it is no arm of turning joints.
     """
     text = "\n".join(lines)
