@@ -7,7 +7,7 @@ integrator samples light groups itself, and the scalar one adds emitters of its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,8 @@ from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from models.spacecraft.stance import BODY_ALONE, Stance
-from renders.tracing.surfaces import Surface, bsdf_dict, surface_of, surface_of_disc
+from models.surface_detail import PLAIN
+from renders.tracing.surfaces import DiscPlace, Surface, bsdf_dict, surface_of, surface_of_disc
 from renders.truth.part_names import CHASER_LABEL, MARKER_LABEL
 
 if TYPE_CHECKING:
@@ -161,6 +162,14 @@ def marker_transform(point: Floats, normal: Floats, radius_m: float) -> Floats:
     return matrix
 
 
+def disc_place(point: Floats, normal: Floats, radius_m: float) -> DiscPlace:
+    """Return where a marker's disc lies, with the axes of ``marker_transform``."""
+    matrix = marker_transform(point, normal, radius_m)
+    along, across = (tuple(float(x) for x in matrix[:3, k] / radius_m) for k in range(2))
+    centre = tuple(float(x) for x in point)
+    return DiscPlace(centre, along, across, float(radius_m))  # type: ignore[arg-type]
+
+
 def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh:
     """Return a marker's face as a polygon of its area, with its normal.
 
@@ -252,13 +261,15 @@ def build_geometry(
             mesh = disc_mesh(point, normal, markers.radius_m)
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
-            surface_of_shape[key] = disc
+            place = disc_place(point, normal, markers.radius_m)
+            surface_of_shape[key] = surface_of_disc(optics, place)
     if chaser is not None:
         for number, part in enumerate(_merged(chaser.parts)):
             key = f"chaser_{number:03d}"
             shapes[key] = mitsuba_mesh(key, part.mesh, bsdfs[part.material], part.smooth)
             label_of_shape[key] = labels.index(CHASER_LABEL) + 1
-            surface_of_shape[key] = surface_of_material[part.material]
+            # It moves in the target's frame, in which detail stands still.
+            surface_of_shape[key] = replace(surface_of_material[part.material], detail=PLAIN)
             chaser_parts[key] = part
     return SceneGeometry(
         shapes, labels, label_of_shape, surface_of_shape, chaser_parts, markers, optics
