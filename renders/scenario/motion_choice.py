@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 MOST_FRAMES = 100_000  # over five hours at 5 Hz; a motion of more is a slip
 OF_A_TABLE = ("file", "poses", "table")
-UNUSED_BY_POSES = ("target_wobble",)
+UNUSED_BY_POSES = ("target_wobble", "ring_in_target_m")
 UNUSED_BY_STILLS = ("rate_hz",)
 
 
