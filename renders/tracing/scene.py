@@ -7,7 +7,7 @@ integrator samples light groups itself, and the scalar one adds emitters of its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.markers import MarkerPattern
+from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
@@ -227,6 +228,8 @@ def build_geometry(
     markers = installed if installed is not None else target.markers
     if markers is not None:
         disc = surface_of_disc(optics)
+        if markers.paint:
+            disc = replace(surface_of(target.materials.get(markers.paint) or MATERIALS[markers.paint]), two_sided=False)
         face = mi.load_dict(bsdf_dict(disc))
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True
