@@ -19,8 +19,8 @@ from models.errors import DatasetError
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
-from pipelines.chaser_fixed.motion_prediction import MotionPrediction
+from pipelines.pnp.flight_knowledge import FlightKnowledge
+from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.chaser_fixed.options import VARIANTS, ChaserFixedOptions, options_for
 from pipelines.chaser_fixed.refinement import fit_markers
 from pipelines.detection.area_opening import expected_radius_px

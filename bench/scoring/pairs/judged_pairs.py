@@ -28,7 +28,7 @@ from models.estimate import Estimate
 from models.markers import MarkerPattern
 from models.onboard import needed
 from models.pose import PoseError, pose_error
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
 
 HALF = 0.5  # of a marker, in sunlight
@@ -119,7 +119,7 @@ def read_true_dataset(dataset: Dataset) -> TrueDataset:
 
     folder = dataset.folder
     exposures = read_exposures(folder)
-    told = FlightKnowledge.of(dataset.onboard)
+    told = FlightKnowledge.of(dataset.onboard, "judging markers")
     markers = folder / "truth" / "markers.toml"
     pattern = read_markers(markers) if markers.is_file() else told.markers
     scenario = folder / "truth" / "scenario.toml"

@@ -18,7 +18,7 @@ from models.estimate import Estimate, PoseEstimate
 from models.frame import Frame
 from models.markers import MarkerPattern
 from models.pose import RigidTransform, pose_error
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import (
     VARIANTS,
     ChaserFixed,
