@@ -4,7 +4,7 @@ For a bright foreground ``T = (1.6 - s) m`` with m the mean over an odd window a
 sensitivity; the image goes on beyond its border as at it (replicate), levels are scaled to [0, 1]
 and T is held there. Two traps: in the middle of a disc as wide as the window the mean is near the
 level itself, so that with s = 0.3 the disc gets a hole; and a saturated pixel is not above a T of 1.
-Holes are filled, and a saturated pixel counts where T is 1.
+Small holes are filled, and a saturated pixel counts where T is 1.
 
 Source of the use: Opromolla et al. 2022, equation 16.
 """
@@ -43,8 +43,20 @@ def above_threshold(grey: Radiance, threshold: Radiance) -> Mask:
     return np.asarray((grey > threshold) | (grey >= 1.0))
 
 
-def without_holes(foreground: Mask) -> Mask:
-    """Return the foreground with every hole filled that background from outside cannot reach."""
-    outside = np.pad((~foreground).astype(np.uint8), 1, constant_values=1)
-    cv2.floodFill(outside, None, (0, 0), (2,), flags=4)
-    return np.asarray(outside[1:-1, 1:-1] != 2)
+def without_holes(foreground: Mask, most_px: float) -> Mask:
+    """Return the foreground with its holes filled that have at most ``most_px`` pixels.
+
+    A board in a bright surround is a hole, too, and stays one.
+    """
+    count, label, stats, _ = cv2.connectedComponentsWithStats(
+        (~foreground).astype(np.uint8), connectivity=4
+    )
+    small = stats[:, cv2.CC_STAT_AREA] <= most_px
+    small[0] = False  # the foreground itself
+    left, top = stats[:, cv2.CC_STAT_LEFT], stats[:, cv2.CC_STAT_TOP]
+    right, bottom = left + stats[:, cv2.CC_STAT_WIDTH], top + stats[:, cv2.CC_STAT_HEIGHT]
+    height, width = foreground.shape
+    small &= (left > 0) & (top > 0) & (right < width) & (bottom < height)
+    if not small[1:count].any():
+        return foreground
+    return np.asarray(foreground | small[label])

@@ -1,18 +1,18 @@
 """Raw Bayer images of white dots on a black board, drawn finely and averaged: no renderer.
 
-Each pixel is divided into ``FINE`` by ``FINE``; the ray through each part meets the board's plane or
+Each pixel near a dot is divided into ``FINE`` by ``FINE`` (elsewhere into ``coarse``); the ray through each part meets the board's plane or
 a dot's, which says what is there and whether it is lit. A Gaussian in the fine image is the lens.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from models.arrays import Floats, Image
+from models.arrays import Floats, Image, Indices
 from models.camera import Camera, camera_preset
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
@@ -47,27 +47,21 @@ class DotScene:
     lit: Lit = in_full_light
     noisy: bool = True
     seed: int = 1
-    hidden: tuple[int, ...] = field(default=())
+    hidden: tuple[int, ...] = ()
+    coarse: int = 1
 
     def but(self, **changes: object) -> DotScene:
         return replace(self, **changes)  # type: ignore[arg-type]
 
 
-def facing(range_m: float, turn_deg: Floats | list[float], shift_m: tuple[float, float] = (0, 0)) -> RigidTransform:
-    """Return a pose that looks at the board's middle, turned and shifted a little."""
-    cam = RigidTransform(FACING, -FACING @ np.array([CENTRE_M[0], CENTRE_M[1], range_m]))
-    return cam.perturbed(np.zeros(3), np.array([*shift_m, 0.0])) if not np.any(turn_deg) else (
-        _turned_about_board(cam, np.deg2rad(turn_deg), shift_m)
-    )
-
-
-def _turned_about_board(
-    cam: RigidTransform, turn: Floats, shift_m: tuple[float, float]
+def facing(
+    range_m: float, turn_deg: list[float], shift_m: tuple[float, float] = (0.0, 0.0)
 ) -> RigidTransform:
+    """Return a pose that looks at the board's middle, turned about it and shifted across."""
     middle = np.array([*CENTRE_M, 0.0])
-    there = cam @ middle
-    turned = RigidTransform(cam.perturbed(turn, np.zeros(3)).rotation, np.zeros(3))
-    return RigidTransform(turned.rotation, there - turned.rotation @ middle + np.array([*shift_m, 0.0]))
+    there = np.array([*shift_m, range_m])
+    turn = RigidTransform(FACING, np.zeros(3)).perturbed(np.deg2rad(turn_deg), np.zeros(3))
+    return RigidTransform(turn.rotation, there - turn.rotation @ middle)
 
 
 def raw_image(scene: DotScene) -> Image:
@@ -86,40 +80,37 @@ def raw_image(scene: DotScene) -> Image:
 
 def _albedo(scene: DotScene) -> Floats:
     """Return what each pixel sees of three colours, lens and all, (height, width, 3)."""
-    camera = scene.camera
-    image = np.empty((camera.height, camera.width, 3))
-    corners = _board_corners()
-    pixels = camera.project(scene.pose @ corners)
-    low = np.clip(np.floor(pixels.min(axis=0)) - 6, 0, [camera.width, camera.height]).astype(int)
-    high = np.clip(np.ceil(pixels.max(axis=0)) + 7, 0, [camera.width, camera.height]).astype(int)
-    image[:] = np.array(AROUND) * float(scene.lit(np.zeros((1, 3)) + [0.0, 0.4, -0.1])[0])
-    windows = [(low, high)]
-    step = 96
-    for left in range(low[0], high[0], step):
-        for top in range(low[1], high[1], step):
-            box = (
-                np.array([left, top]),
-                np.minimum([left + step, top + step], [high[0], high[1]]),
-            )
-            image[box[0][1] : box[1][1], box[0][0] : box[1][0]] = _window(scene, *box)
-    del windows
+    camera, size = scene.camera, np.array([scene.camera.width, scene.camera.height])
+    around = np.array(AROUND) * float(scene.lit(np.array([[0.0, 0.4, -0.1]]))[0])
+    image = np.tile(around, (camera.height, camera.width, 1))
+    board = camera.project(scene.pose @ _board_corners())
+    boxes = [(board.min(axis=0) - 6.0, board.max(axis=0) + 7.0, scene.coarse)]
+    in_cam = scene.pose @ scene.markers.points_in_target
+    reach = scene.markers.radius_m * camera.fx / in_cam[:, 2] + 5.0 + 3.0 * scene.blur_px
+    for centre, half in zip(camera.project(in_cam), reach, strict=True):
+        boxes.append((centre - half, centre + half, FINE))
+    for corner, far, fine in boxes:
+        low = np.clip(np.floor(corner), 0, size).astype(int)
+        high = np.clip(np.ceil(far), 0, size).astype(int)
+        if (high > low).all():
+            image[low[1] : high[1], low[0] : high[0]] = _window(scene, low, high, fine)
     return image
 
 
-def _window(scene: DotScene, low: Floats, high: Floats) -> Floats:
+def _window(scene: DotScene, low: Indices, high: Indices, fine: int) -> Floats:
     """Draw one window finely, with a rim for the blur."""
     rim = int(np.ceil(4.0 * scene.blur_px)) + 1
-    u = np.arange((low[0] - rim) * FINE, (high[0] + rim) * FINE) / FINE + 0.5 / FINE - 0.5
-    v = np.arange((low[1] - rim) * FINE, (high[1] + rim) * FINE) / FINE + 0.5 / FINE - 0.5
-    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    rays = scene.camera.rays(grid) @ scene.pose.rotation
-    eye = scene.pose.inverse().translation
-    seen = _seen(scene, eye, rays).reshape(len(v), len(u), 3)
+    u, v = (
+        np.arange((low[axis] - rim) * fine, (high[axis] + rim) * fine) / fine + 0.5 / fine - 0.5
+        for axis in (0, 1)
+    )
+    rays = scene.camera.rays(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
+    seen = _seen(scene, scene.pose.inverse().translation, rays @ scene.pose.rotation)
+    seen = seen.reshape(len(v), len(u), 3)
     if scene.blur_px > 0.0:
-        seen = cv2.GaussianBlur(seen, (0, 0), FINE * scene.blur_px, borderType=cv2.BORDER_REPLICATE)
-    height, width = len(v) // FINE, len(u) // FINE
-    mean = seen.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
-    return mean[rim:-rim, rim:-rim]
+        seen = cv2.GaussianBlur(seen, (0, 0), fine * scene.blur_px, borderType=cv2.BORDER_REPLICATE)
+    mean = seen.reshape(len(v) // fine, fine, len(u) // fine, fine, 3).mean(axis=(1, 3))
+    return np.asarray(mean[rim:-rim, rim:-rim])
 
 
 def _seen(scene: DotScene, eye: Floats, rays: Floats) -> Floats:
