@@ -51,7 +51,13 @@ class DotCandidates:
         return cls(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
 
 
-def find_dots(grey: Radiance, foreground: Mask, radii: tuple[float, float]) -> DotCandidates:
+def find_dots(
+    grey: Radiance,
+    foreground: Mask,
+    radii: tuple[float, float],
+    expected: Floats,
+    reach: float,
+) -> DotCandidates:
     """Find circles among the blobs of a foreground.
 
     Parameters
@@ -60,12 +66,19 @@ def find_dots(grey: Radiance, foreground: Mask, radii: tuple[float, float]) -> D
     foreground : (height, width) array of bool
     radii : tuple of 2 floats, px
         Smallest and largest that any dot may have.
+    expected : (n, 2) array, px
+        Where dots are expected; NaN for one that is not.
+    reach : float, px
+        How far from there a dot may lie.
     """
     count, label, stats, _ = cv2.connectedComponentsWithStats(foreground.astype(np.uint8))
     area = stats[:, cv2.CC_STAT_AREA]
     least, most = LEAST_AREA * np.pi * radii[0] ** 2, MOST_AREA * np.pi * radii[1] ** 2
     sides = stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
     fits = (area >= max(least, 6.0)) & (area <= most) & (sides <= 2.6 * radii[1] + 2.0).all(axis=1)
+    corners = stats[:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP]]
+    gaps = np.linalg.norm((corners + 0.5 * sides)[:, None] - expected[None], axis=-1)
+    fits &= np.nan_to_num(gaps, nan=np.inf).min(axis=1) < reach + radii[1]
     chosen = [number for number in range(1, count) if fits[number]]
     chosen.sort(key=lambda number: -int(area[number]))
     found = []

@@ -30,6 +30,25 @@ LEAST_RIM = 0.35  # of the rim: with less, a wrong radius moves the centre too f
 ROUNDS = 8
 
 
+@dataclass(frozen=True)
+class KnownDisc:
+    """How well a disc is known before it is fitted.
+
+    Attributes
+    ----------
+    size_sigma : float
+        1-sigma of the predicted radius, relative.
+    shape_sigma : float
+        1-sigma of each section's distance from the centre, for another tilt, over the radius.
+    capture_px : float, px
+        How far off the predicted rim it is looked for, beyond what its blur takes.
+    """
+
+    size_sigma: float
+    shape_sigma: float = 0.0
+    capture_px: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class LitDisc:
     """A disc that was found.
@@ -72,7 +91,7 @@ def fit_lit_disc(
     centre_px: Floats,
     shape_px2: Floats,
     blur_px: float,
-    size_sigma: float,
+    known: KnownDisc,
 ) -> LitDisc | str:
     """Fit one disc.
 
@@ -88,8 +107,7 @@ def fit_lit_disc(
         Predicted ellipse, ``d^T S^-1 d = 1``.
     blur_px : float, px
         Expected 1-sigma of the lens's blur.
-    size_sigma : float
-        1-sigma of the predicted radius, relative.
+    known : KnownDisc
 
     Returns
     -------
@@ -97,14 +115,14 @@ def fit_lit_disc(
         In words, why there is none.
     """
     radius = float(np.linalg.det(shape_px2) ** 0.25)
-    width = min(BAND_PX + BLURS * blur_px, BAND_SHARE * radius + 1.0)
+    width = min(BAND_PX + BLURS * blur_px + known.capture_px, BAND_SHARE * radius + 1.0)
     taken = _band(raw, detector, saturation_dn, centre_px, shape_px2, radius, width)
     if isinstance(taken, str):
         return taken
     found = find_edge(taken, width, radius, blur_px, noise_terms(detector))
     angle = 2.0 * np.pi * (np.arange(taken.sections) + 0.5) / taken.sections
     ways = _ways(shape_px2, angle)
-    return _centre(found, ways, size_sigma, width)
+    return _centre(found, ways, known, radius, width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +209,9 @@ def _balance(level: Floats, face: Mask, low: Indices, detector: Detector) -> Flo
     return gain
 
 
-def _centre(found: FoundEdge, ways: _Ways, size_sigma: float, width: float) -> LitDisc | str:
+def _centre(
+    found: FoundEdge, ways: _Ways, known: KnownDisc, radius: float, width: float
+) -> LitDisc | str:
     """Lay a disc through the sections that agree."""
     with np.errstate(invalid="ignore"):
         clear = (
@@ -207,7 +227,8 @@ def _centre(found: FoundEdge, ways: _Ways, size_sigma: float, width: float) -> L
         crossed & (found.misfit >= MOST_MISFIT), -1
     )
     clear &= ~guard
-    variance = np.where(clear, found.sigma_px, 1.0) ** 2 + SECTION_FLOOR_PX**2
+    floor_px = np.hypot(SECTION_FLOOR_PX, known.shape_sigma * radius)
+    variance = np.where(clear, found.sigma_px, 1.0) ** 2 + floor_px**2
     design = np.column_stack([ways.normals, ways.growth_px])
     used = clear
     solution, covariance = np.zeros(3), np.eye(3)
@@ -217,7 +238,7 @@ def _centre(found: FoundEdge, ways: _Ways, size_sigma: float, width: float) -> L
             return f"only {share:.0f} % of its rim shows, lit evenly"
         weight = used / variance
         normal = (design * weight[:, None]).T @ design
-        normal[2, 2] += size_sigma**-2.0
+        normal[2, 2] += known.size_sigma**-2.0
         covariance = np.linalg.inv(normal)
         solution = covariance @ ((design * weight[:, None]).T @ found.offset_px)
         left = found.offset_px - design @ solution

@@ -15,6 +15,7 @@ from pipelines.detection.adaptive_threshold import above_threshold, adaptive_thr
 from pipelines.detection.bayer_grey import quad_grey
 from pipelines.detection.dot_candidates import DotCandidates, find_dots
 from pipelines.detection.image_difference import Region, saturation_level_dn
+from pipelines.detection.lit_disc import KnownDisc
 from pipelines.detection.marker_search import PredictedMarkers, predict_markers
 from pipelines.detection.region_of_interest import region_of_interest
 from pipelines.eye_in_hand.board_outline import pose_from_outline
@@ -35,7 +36,8 @@ CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its 
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY = "markers.radius_m"
 TRIALS = 3
-ROUGH_SIZE, OUTSIDE_PX = 0.03, -1e6
+ROUGH_SIZE, ROUGH_SHAPE, OUTSIDE_PX = 0.03, 0.01, -1e6
+CAPTURE_SIGMAS, CAPTURE_SHARE = 3.0, 0.25  # of a prediction, and in radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,9 @@ class BestLook:
         dots = predict_markers(self._camera, self._markers, predicted)
         if dots is None:
             return Sighting.blind("no dot faces the camera in the predicted pose")
+        followed = self._followed(raw, dots, predicted)
+        if followed is not None:
+            return self._said(DotCandidates.none(), followed)
         circles = self._circles(raw, dots, predicted)
         ranked = rank_matches(
             self._camera,
@@ -113,11 +118,35 @@ class BestLook:
 
     # Dots.
 
+    def _followed(
+        self, raw: Image, dots: PredictedMarkers, predicted: PredictedPose
+    ) -> _Found | None:
+        """Fit all rims where the prediction has them, if it is good enough for that."""
+        sigma = _largest_sigma_px(dots)
+        least_px = float(np.nanmin(dots.outlines.radii_px))
+        capture_px = CAPTURE_SIGMAS * sigma
+        if not capture_px < CAPTURE_SHARE * least_px:
+            return None
+        known = KnownDisc(ROUGH_SIZE, ROUGH_SHAPE, capture_px)
+        fitted = self._refitted(raw, predicted.pose, self._blur_px, known)
+        if len(fitted.match) < len(self._markers):
+            return None
+        outcome = self._posed(raw, fitted, predicted)
+        return None if isinstance(outcome, str) else outcome
+
+    def _refitted(
+        self, raw: Image, pose: RigidTransform, blur_px: float, known: KnownDisc
+    ) -> FittedDots:
+        nowhere = np.full((len(self._markers), 2), np.nan)
+        return fit_dots(
+            raw, self._camera, self._detector, self._markers, pose, nowhere, blur_px, known
+        )
+
     def _circles(
         self, raw: Image, dots: PredictedMarkers, predicted: PredictedPose
     ) -> DotCandidates:
         """Look for circles in the region of interest, at half the resolution."""
-        sigma = np.sqrt(np.nanmax(np.diagonal(dots.covariance_px2, axis1=1, axis2=2)))
+        sigma = _largest_sigma_px(dots)
         slack = self._growth(predicted) * self._options.region_sigmas * sigma
         region = region_of_interest(
             self._camera,
@@ -137,7 +166,8 @@ class BestLook:
         faint = 6.0 * self._detector.read_noise_e / self._detector.gain_e_dn / full_dn
         foreground = above_threshold(level, np.maximum(threshold, np.float32(faint)))
         low, high = dots.radii_px
-        found = find_dots(level, foreground, (0.5 * low, 0.5 * high))
+        expected = 0.5 * (dots.outlines.area_centres_px - region.origin_px - 0.5)
+        found = find_dots(level, foreground, (0.5 * low, 0.5 * high), expected, 0.5 * float(slack))
         centres = 2.0 * found.centres + 0.5 + region.origin_px
         return DotCandidates(centres, 2.0 * found.radii, found.arcs)
 
@@ -151,7 +181,7 @@ class BestLook:
         # Rough shapes do for rough centres: the size is left nearly free.
         return fit_dots(
             raw, self._camera, self._detector, self._markers, predicted.pose,
-            elsewhere, self._blur_px, ROUGH_SIZE,
+            elsewhere, self._blur_px, KnownDisc(ROUGH_SIZE, ROUGH_SHAPE),
         )  # fmt: skip
 
     def _posed(self, raw: Image, rough: FittedDots, predicted: PredictedPose) -> _Found | str:
@@ -161,12 +191,8 @@ class BestLook:
             return self._told(outcome, rough)
         fitted = rough
         for _ in range(2):
-            before = fitted
-            nowhere = np.full((len(self._markers), 2), np.nan)
-            fitted = fit_dots(
-                raw, self._camera, self._detector, self._markers, outcome.pose,
-                nowhere, before.blur_px, self._size_sigma,
-            )  # fmt: skip
+            known = KnownDisc(self._size_sigma)
+            fitted = self._refitted(raw, outcome.pose, fitted.blur_px, known)
             outcome = self._solved(fitted.match, predicted)
             if isinstance(outcome, str):
                 return self._told(outcome, fitted)
@@ -321,3 +347,7 @@ class BestLook:
     @staticmethod
     def _growth(predicted: PredictedPose) -> float:
         return min(1.0 + GROWTH * predicted.lost_frames, MOST_GROWTH)
+
+
+def _largest_sigma_px(dots: PredictedMarkers) -> float:
+    return float(np.sqrt(np.nanmax(np.diagonal(dots.covariance_px2, axis1=1, axis2=2))))

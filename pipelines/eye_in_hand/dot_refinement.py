@@ -13,7 +13,7 @@ from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.image_difference import saturation_level_dn
-from pipelines.detection.lit_disc import LitDisc, fit_lit_disc
+from pipelines.detection.lit_disc import KnownDisc, LitDisc, fit_lit_disc
 from pipelines.pnp.match import Match
 
 LEAST_RADIUS_PX = 2.5  # below, a rim has no sections to speak of
@@ -55,7 +55,7 @@ def fit_dots(
     pose: RigidTransform,
     centres_px: Floats,
     blur_px: float,
-    size_sigma: float,
+    known: KnownDisc,
 ) -> FittedDots:
     """Fit all dots that a pose sees whole in the image and large enough.
 
@@ -69,8 +69,8 @@ def fit_dots(
         Where the outlines' middles are looked for; NaN takes the pose's own.
     blur_px : float, px
         Expected 1-sigma of the lens's blur.
-    size_sigma : float
-        1-sigma of the dots' sizes by the pose, relative.
+    known : KnownDisc
+        How well the pose tells the outlines.
     """
     outlines = disc_outlines(camera, pose, markers)
     level = saturation_level_dn(detector)
@@ -92,7 +92,7 @@ def fit_dots(
             refused[index] = "the image cuts it"
         else:
             shape = outlines.shapes_px2[index]
-            fit = fit_lit_disc(raw, detector, level, centre, shape, blur_px, size_sigma)
+            fit = fit_lit_disc(raw, detector, level, centre, shape, blur_px, known)
             wrong = fit if isinstance(fit, str) else _unbelievable(fit, radius)
             if wrong or isinstance(fit, str):
                 refused[index] = wrong
