@@ -21,7 +21,7 @@ from models.sensors.camera_chip import Detector
 from models.spacecraft.grasp_markers import BOARD_M, CENTRE_M, GRASP_MARKERS
 
 FINE = 8
-CAMERA = camera_preset("eye_in_hand")
+CAMERA = camera_preset("eye_in_hand").resized(1024)
 DETECTOR = Detector(mosaic="rggb")
 FACING = np.diag([1.0, -1.0, -1.0])
 WHITE_DN = (2900.0, 2200.0, 1700.0)  # red, green, blue of a dot in full light, above the bias
@@ -45,8 +45,6 @@ class DotScene:
     markers: MarkerPattern = GRASP_MARKERS
     blur_px: float = 0.5
     lit: Lit = in_full_light
-    noisy: bool = True
-    seed: int = 1
     hidden: tuple[int, ...] = ()
     coarse: int = 1
 
@@ -64,18 +62,33 @@ def facing(
     return RigidTransform(turn.rotation, there - turn.rotation @ middle)
 
 
-def raw_image(scene: DotScene) -> Image:
-    """Draw a scene, (height, width) uint16, DN."""
+def mean_image(scene: DotScene) -> Floats:
+    """Draw a scene without noise, (height, width), DN."""
     albedo = _albedo(scene)
-    planes = [
-        white * np.clip(albedo[..., colour], 0.0, None) for colour, white in enumerate(WHITE_DN)
-    ]
-    mean_dn = mosaicked(planes)
-    level = mean_dn + scene.detector.bias_dn
-    if scene.noisy:
-        rng = np.random.default_rng(scene.seed)
-        level = level + scene.detector.noise_dn(level) * rng.standard_normal(level.shape)
-    return np.clip(np.rint(level), 0, scene.detector.saturation_dn).astype(np.uint16)
+    planes = [white * albedo[..., colour] for colour, white in enumerate(WHITE_DN)]
+    return mosaicked(planes) + scene.detector.bias_dn
+
+
+def with_noise(mean_dn: Floats, detector: Detector, seed: int) -> Image:
+    """Expose a drawn scene once, (height, width) uint16, DN."""
+    rng = np.random.default_rng(seed)
+    level = mean_dn + detector.noise_dn(mean_dn) * rng.standard_normal(mean_dn.shape)
+    return np.clip(np.rint(level), 0, detector.saturation_dn).astype(np.uint16)
+
+
+def raw_image(scene: DotScene, seed: int = 1) -> Image:
+    """Draw a scene and expose it, (height, width) uint16, DN."""
+    return with_noise(mean_image(scene), scene.detector, seed)
+
+
+def shadow_from(direction: tuple[float, float], through: tuple[float, float]) -> Lit:
+    """Return a light that a straight shadow cuts: dark on the side that ``direction`` points to."""
+
+    def lit(points: Floats) -> Floats:
+        along = (points[:, :2] - through) @ np.array(direction)
+        return np.where(along > 0.0, 0.03, 1.0)
+
+    return lit
 
 
 def _albedo(scene: DotScene) -> Floats:
