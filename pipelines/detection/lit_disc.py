@@ -25,7 +25,7 @@ LEAST_STEP_SIGMAS = 8.0
 MOST_MISFIT = 0.06  # of a section, over its step
 OUTLIER_SIGMAS, LEAST_SPREAD_PX = 4.0, 0.02
 SECTION_FLOOR_PX = 0.004  # 1-sigma of a section's place from taking its edge and light as even
-CENTRE_FLOOR_PX = 0.002
+CENTRE_FLOOR_PX, CENTRE_FLOOR_SHARE = 0.003, 4e-4  # and of the radius: light is not quite even
 LEAST_RIM = 0.35  # of the rim: with less, a wrong radius moves the centre too far
 ROUNDS = 8
 
@@ -250,9 +250,10 @@ def _centre(
         used = kept
     left = found.offset_px - design @ solution
     chi2 = float((left[used] ** 2 / variance[used]).sum()) / max(int(used.sum()) - 3, 1)
+    centre_floor_px = float(np.hypot(CENTRE_FLOOR_PX, CENTRE_FLOOR_SHARE * radius))
     return LitDisc(
         shift_px=solution[:2],
-        covariance_px2=max(chi2, 1.0) * covariance[:2, :2] + CENTRE_FLOOR_PX**2 * np.eye(2),
+        covariance_px2=max(chi2, 1.0) * covariance[:2, :2] + centre_floor_px**2 * np.eye(2),
         size=1.0 + float(solution[2]),
         rim=float(used.mean()),
         misfit_chi2=chi2,

@@ -127,7 +127,7 @@ class BestLook:
         capture_px = CAPTURE_SIGMAS * sigma
         if not capture_px < CAPTURE_SHARE * least_px:
             return None
-        known = KnownDisc(ROUGH_SIZE, ROUGH_SHAPE, capture_px)
+        known = KnownDisc(_size_sigma(predicted), ROUGH_SHAPE, capture_px)
         fitted = self._refitted(raw, predicted.pose, self._blur_px, known)
         if len(fitted.match) < len(self._markers):
             return None
@@ -181,7 +181,7 @@ class BestLook:
         # Rough shapes do for rough centres: the size is left nearly free.
         return fit_dots(
             raw, self._camera, self._detector, self._markers, predicted.pose,
-            elsewhere, self._blur_px, KnownDisc(ROUGH_SIZE, ROUGH_SHAPE),
+            elsewhere, self._blur_px, KnownDisc(_size_sigma(predicted), ROUGH_SHAPE),
         )  # fmt: skip
 
     def _posed(self, raw: Image, rough: FittedDots, predicted: PredictedPose) -> _Found | str:
@@ -351,3 +351,9 @@ class BestLook:
 
 def _largest_sigma_px(dots: PredictedMarkers) -> float:
     return float(np.sqrt(np.nanmax(np.diagonal(dots.covariance_px2, axis1=1, axis2=2))))
+
+
+def _size_sigma(predicted: PredictedPose) -> float:
+    """Return the 1-sigma of the dots' sizes by a prediction of their distance, relative."""
+    depth_m = float(predicted.pose.translation[2])
+    return max(ROUGH_SIZE, 2.0 * float(np.sqrt(predicted.covariance[5, 5])) / depth_m)

@@ -17,7 +17,7 @@ from pipelines.detection.lit_disc import KnownDisc, LitDisc, fit_lit_disc
 from pipelines.pnp.match import Match
 
 LEAST_RADIUS_PX = 2.5  # below, a rim has no sections to speak of
-SIZE_LIMITS = (0.93, 1.07)
+MOST_SIZE, SIZE_SIGMAS, ROUGHEST_SIZE = 0.07, 4.0, 0.35  # by which a dot may differ from the pose
 FURTHEST_RADII = 0.6
 MOST_CHI2 = 20.0
 
@@ -93,7 +93,7 @@ def fit_dots(
         else:
             shape = outlines.shapes_px2[index]
             fit = fit_lit_disc(raw, detector, level, centre, shape, blur_px, known)
-            wrong = fit if isinstance(fit, str) else _unbelievable(fit, radius)
+            wrong = fit if isinstance(fit, str) else _unbelievable(fit, radius, known)
             if wrong or isinstance(fit, str):
                 refused[index] = wrong
                 continue
@@ -117,9 +117,9 @@ def fit_dots(
     )
 
 
-def _unbelievable(fit: LitDisc, radius_px: float) -> str:
+def _unbelievable(fit: LitDisc, radius_px: float, known: KnownDisc) -> str:
     """Say what is wrong with a fit; nothing if it can be believed."""
-    if not SIZE_LIMITS[0] < fit.size < SIZE_LIMITS[1]:
+    if abs(fit.size - 1.0) > np.clip(SIZE_SIGMAS * known.size_sigma, MOST_SIZE, ROUGHEST_SIZE):
         return f"it is {fit.size:.2f} times as large as the pose has it"
     if float(np.hypot(*fit.shift_px)) > max(2.0, FURTHEST_RADII * radius_px):
         return "it lies elsewhere"

@@ -20,7 +20,7 @@ from models.sensors.bayer_mosaic import mosaicked
 from models.sensors.camera_chip import Detector
 from models.spacecraft.grasp_markers import BOARD_M, CENTRE_M, GRASP_MARKERS
 
-FINE = 8
+FINE = 6
 CAMERA = camera_preset("eye_in_hand").resized(1024)
 DETECTOR = Detector(mosaic="rggb")
 FACING = np.diag([1.0, -1.0, -1.0])
