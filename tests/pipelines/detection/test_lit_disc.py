@@ -38,10 +38,14 @@ def outlines_of(pose: RigidTransform) -> DiscOutlines:
 
 
 def fitted(
-    raw: Image, outlines: DiscOutlines, index: int, offset: Floats | tuple[float, float] = (0, 0)
+    raw: Image,
+    outlines: DiscOutlines,
+    index: int,
+    offset: Floats | tuple[float, float] = (0, 0),
+    known: KnownDisc = KNOWN,
 ) -> LitDisc | str:
     centre = outlines.area_centres_px[index] + np.array(offset)
-    return fit_lit_disc(raw, DETECTOR, LEVEL, centre, outlines.shapes_px2[index], 0.5, KNOWN)
+    return fit_lit_disc(raw, DETECTOR, LEVEL, centre, outlines.shapes_px2[index], 0.5, known)
 
 
 def test_the_perspective_of_a_circle_is_taken_off() -> None:
@@ -59,7 +63,7 @@ def test_the_perspective_of_a_circle_is_taken_off() -> None:
 def test_finds_a_disc_that_is_not_where_it_was_thought() -> None:
     pose = facing(0.8, [5.0, 8.0, 20.0])
     raw, outlines = raw_image(DotScene(pose)), outlines_of(pose)
-    disc = fitted(raw, outlines, 1, offset=(1.7, -1.2))
+    disc = fitted(raw, outlines, 1, offset=(1.7, -1.2), known=KnownDisc(0.01, capture_px=2.0))
     assert isinstance(disc, LitDisc)
     assert disc.shift_px == pytest.approx([-1.7, 1.2], abs=0.05)  # refitted from there it is exact
     assert disc.rim == 1.0
