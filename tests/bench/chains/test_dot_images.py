@@ -89,11 +89,11 @@ def test_images_are_raw_mosaics(run: Path) -> None:
 
 
 def test_frame_by_frame_gives_the_batchs_images(run: Path, tmp_path: Path) -> None:
-    from renders.batches.stepping import SteppedRender
+    from renders.batches.stepping import Simulation
 
     dataset = open_dataset(run)
-    stepped = SteppedRender.of_case(run / "truth" / "scenario.toml", tmp_path)
-    frame = stepped.step(dataset.entries[0].time_s)
+    case = str(run / "truth" / "scenario.toml")
+    frame = Simulation(case, store=tmp_path).frame(dataset.entries[0].time_s)
     assert np.array_equal(frame.image(IMAGE).image, dataset.frame(0).image(IMAGE).image)
 
 
