@@ -54,7 +54,9 @@ def maxar1300_grasp() -> Spacecraft:
     """
     whole = maxar1300()
     offset = -np.array(GRASPING_POINT_M)
-    moved = tuple(replace(part, mesh=shifted(part.mesh, offset + _aside(part))) for part in whole.parts)
+    moved = tuple(
+        replace(part, mesh=shifted(part.mesh, offset + _aside(part))) for part in whole.parts
+    )
     return replace(
         whole,
         name="maxar1300_grasp",

@@ -39,13 +39,9 @@ COLOURS: dict[str, tuple[Rgb, Rgb]] = {
 def in_colour(spacecraft: Spacecraft) -> Spacecraft:
     """Return a spacecraft whose materials' three bands are red, green and blue."""
     known = {**MATERIALS, **spacecraft.materials}
-    coloured = {
-        name: _coloured(known[name], *COLOURS[name]) for name in COLOURS if name in known
-    }
+    coloured = {name: _coloured(known[name], *COLOURS[name]) for name in COLOURS if name in known}
     return replace(spacecraft, materials={**spacecraft.materials, **coloured})
 
 
 def _coloured(material: Material, diffuse: Rgb, specular: Rgb) -> Material:
-    return replace(
-        material, diffuse=BandReflectance(*diffuse), specular=BandReflectance(*specular)
-    )
+    return replace(material, diffuse=BandReflectance(*diffuse), specular=BandReflectance(*specular))

@@ -160,7 +160,10 @@ def _band(
     x = np.arange(low[0], high[0])[None, :] - centre_px[0]
     y = np.arange(low[1], high[1])[:, None] - centre_px[1]
     inverse = np.linalg.inv(shape_px2)
-    gradient_x, gradient_y = inverse[0, 0] * x + inverse[0, 1] * y, inverse[1, 0] * x + inverse[1, 1] * y
+    gradient_x, gradient_y = (
+        inverse[0, 0] * x + inverse[0, 1] * y,
+        inverse[1, 0] * x + inverse[1, 1] * y,
+    )
     ellipse = np.sqrt(np.maximum(gradient_x * x + gradient_y * y, 1e-12))
     steepness = np.hypot(gradient_x, gradient_y)
     depth = (1.0 - ellipse) * ellipse / np.maximum(steepness, 1e-12)

@@ -10,7 +10,10 @@ from pipelines.detection.image_difference import Region
 
 
 def region_of_interest(
-    camera: Camera, predicted_px: Floats, share: tuple[float, float], margin_px: Floats | float = 0.0
+    camera: Camera,
+    predicted_px: Floats,
+    share: tuple[float, float],
+    margin_px: Floats | float = 0.0,
 ) -> Region | None:
     """Return the region round predicted markers, within the image.
 

@@ -244,9 +244,7 @@ class BestLook:
         kept = solution.match.kept(solution.used)
         covariance = self._with_told_errors(kept, solution.pose)
         used = tuple(bool(each) for each in solution.used)
-        return _Found(
-            solution.pose, covariance, solution.match, used, solution.residual_rms_px
-        )
+        return _Found(solution.pose, covariance, solution.match, used, solution.residual_rms_px)
 
     def _with_told_errors(self, match: Match, pose: RigidTransform) -> Floats:
         points = self._markers.points_in_target[match.marker]
@@ -274,7 +272,10 @@ class BestLook:
         covariance = self._outline_covariance(fitted.match, solved.pose, solved.covariance)
         sigma = np.sqrt(np.diag(covariance))
         options = self._options
-        if sigma[3:].max() > options.most_sigma_m or np.rad2deg(sigma[:3].max()) > options.most_sigma_deg:
+        if (
+            sigma[3:].max() > options.most_sigma_m
+            or np.rad2deg(sigma[:3].max()) > options.most_sigma_deg
+        ):
             return Sighting.without_pose(
                 f"{reason}, and with the board's outline the pose is known to "
                 f"{1e3 * sigma[3:].max():.0f} mm and {np.rad2deg(sigma[:3].max()):.1f} deg only",
@@ -286,9 +287,7 @@ class BestLook:
                 f"{reason}, and the board's outline gives a pose far from the predicted one", seen
             )
         seen = self._detections(circles, fitted.match, (True,) * len(fitted.match))
-        return Sighting.with_pose(
-            solved.pose, covariance, solved.residual_rms_px, seen, "outline"
-        )
+        return Sighting.with_pose(solved.pose, covariance, solved.residual_rms_px, seen, "outline")
 
     def _outline_covariance(self, match: Match, pose: RigidTransform, own: Floats) -> Floats:
         """Add what the told errors do to the dots' part, as if the board's corners were points."""

@@ -242,9 +242,7 @@ def _pixels(
     )
 
 
-def _edge_rows(
-    camera: Camera, pose: RigidTransform, sections: _Sections
-) -> Floats:
+def _edge_rows(camera: Camera, pose: RigidTransform, sections: _Sections) -> Floats:
     by_pose = jacobian_by_turn(pose.rotation, pose.translation, sections.points_in_target)
     by_pose = by_pose * np.array([camera.fx, camera.fy])[:, None]
     return np.asarray(np.einsum("ni,nij->nj", sections.normals_px, by_pose))

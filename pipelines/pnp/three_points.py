@@ -80,7 +80,10 @@ def poses_of_three(
         both = PredictedPose(predicted.pose, predicted.covariance + covariance, 0)
         found.append(
             FittingPose(
-                solved.pose, covariance, solved.chi2, both.squared_distance(solved.pose) + solved.chi2
+                solved.pose,
+                covariance,
+                solved.chi2,
+                both.squared_distance(solved.pose) + solved.chi2,
             )
         )
     return sorted(found, key=lambda each: each.squared_distance)

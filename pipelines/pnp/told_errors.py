@@ -17,7 +17,9 @@ from models.camera import DISTORTION_ORDER, Camera
 from models.pose import RigidTransform
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
 
-CAMERA_STEPS = {"fx": 1e-3, "fy": 1e-3, "cx": 1e-3, "cy": 1e-3} | dict.fromkeys(DISTORTION_ORDER, 1e-6)
+CAMERA_STEPS = {"fx": 1e-3, "fy": 1e-3, "cx": 1e-3, "cy": 1e-3} | dict.fromkeys(
+    DISTORTION_ORDER, 1e-6
+)
 """Keys of a camera, and by how much each is moved to see what it does."""
 PLACE = "markers.point_in_target_m"
 

@@ -229,7 +229,10 @@ def build_geometry(
     if markers is not None:
         disc = surface_of_disc(optics)
         if markers.paint:
-            disc = replace(surface_of(target.materials.get(markers.paint) or MATERIALS[markers.paint]), two_sided=False)
+            disc = replace(
+                surface_of(target.materials.get(markers.paint) or MATERIALS[markers.paint]),
+                two_sided=False,
+            )
         face = mi.load_dict(bsdf_dict(disc))
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True

@@ -26,9 +26,7 @@ def report(given: ReportInput) -> ReportParts:
     return marker_report(given, "image pairs", "ring", "850 nm")
 
 
-def marker_report(
-    given: ReportInput, frames: str, origin: str, hero_words: str
-) -> ReportParts:
+def marker_report(given: ReportInput, frames: str, origin: str, hero_words: str) -> ReportParts:
     """Return the parts of a page on images of markers.
 
     Parameters

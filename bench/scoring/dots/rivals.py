@@ -54,9 +54,7 @@ def rivals(judged: Sequence[Sequence[JudgedFrame]], truth: TrueDataset, label: s
         Of the pipeline.
     """
     said = [each for run in judged for each in run if each.estimate.pose is not None]
-    pairs = [
-        (each, each.estimate.states[STATE]) for each in said if STATE in each.estimate.states
-    ]
+    pairs = [(each, each.estimate.states[STATE]) for each in said if STATE in each.estimate.states]
     turns = [_turn_deg(each.estimate, rival) for each, rival in pairs]
     leads = [float(rival.values["behind_chi2"]) for _, rival in pairs]
     return Rivals(

@@ -163,11 +163,11 @@ def true_poses(dataset: Dataset) -> dict[int, ExposureTruth]:
     return {frame: truth for (frame, band), truth in exposures.items() if band in LAST_BANDS}
 
 
-def _last_of(
-    exposures: dict[tuple[int, int], ExposureTruth], frame: int
-) -> ExposureTruth | None:
+def _last_of(exposures: dict[tuple[int, int], ExposureTruth], frame: int) -> ExposureTruth | None:
     """Return the exposure to which a frame's estimate is stamped."""
-    return next((exposures[key] for band in LAST_BANDS if (key := (frame, band)) in exposures), None)
+    return next(
+        (exposures[key] for band in LAST_BANDS if (key := (frame, band)) in exposures), None
+    )
 
 
 def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:

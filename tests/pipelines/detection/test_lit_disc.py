@@ -85,7 +85,9 @@ def test_a_dot_that_a_shadow_cuts_is_found_by_its_lit_part(through_m: float) -> 
         errors.append(error)
         squares.append(error @ np.linalg.solve(disc.covariance_px2, error))
     assert np.abs(np.mean(errors, axis=0)).max() < 0.02  # the blob's centroid is 5 to 15 px off
-    assert np.mean(squares) < 2.0 * 2.5  # two degrees of freedom, honest to a factor of 1.6 in sigma
+    assert (
+        np.mean(squares) < 2.0 * 2.5
+    )  # two degrees of freedom, honest to a factor of 1.6 in sigma
 
 
 def test_a_dot_of_which_hardly_any_rim_is_lit_is_refused_with_a_reason() -> None:

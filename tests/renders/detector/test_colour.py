@@ -39,9 +39,7 @@ def test_a_sun_is_seen_in_three_colours_from_one_direction() -> None:
     red, green, blue = suns()
     assert [each.channel for each in (red, green, blue)] == [0, 1, 2]
     assert red.direction_in_target == green.direction_in_target == blue.direction_in_target
-    assert [each.irradiance_w_m2 for each in suns()] == [
-        band.sun_irradiance_w_m2 for band in BANDS
-    ]
+    assert [each.irradiance_w_m2 for each in suns()] == [band.sun_irradiance_w_m2 for band in BANDS]
     assert len({each.name for each in suns()}) == 3
 
 
