@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class BandReflectance:
     """Reflectance in the three bands that one rendering carries.
 
-    A camera of colours has red, green and blue in their places; see ``models.spacecraft.in_colour``.
+    A camera of colours has red, green and blue in their places (``models.spacecraft.in_colour``).
 
     Attributes
     ----------
@@ -230,9 +230,9 @@ MATERIALS: dict[str, Material] = {
             (0.030, 0.030, 0.031),
             (0.012, 0.012, 0.012),
             0.30,
-            "Black polyurethane (Aeroglaze Z306) behind white dots: solar absorptance 0.95 (Gilmore "
-            "2002, appendix A), so 0.04 to 0.05 in all at normal incidence; ever glossier towards "
-            "grazing. Split and roughness are our estimate",
+            "Black polyurethane (Aeroglaze Z306) behind white dots: solar absorptance 0.95 "
+            "(Gilmore 2002, appendix A), so 0.04 to 0.05 in all at normal incidence; ever glossier "
+            "towards grazing. Split and roughness are our estimate",
             is_dielectric=True,
         ),
         _material(

@@ -113,7 +113,7 @@ def unit_direction(vector: ArrayLike) -> Floats:
 
 
 def sun_direction(text: str) -> Floats:
-    """Read ``S1`` to ``S7``, ``E-SB``, ``E-S1`` to ``E-S36`` or ``x,y,z``: a unit vector, target frame.
+    """Read ``S1`` to ``S7``, ``E-SB``, ``E-S1`` to ``E-S36`` or ``x,y,z`` into a unit vector.
 
     Returns
     -------

@@ -49,8 +49,8 @@ GRASP_MARKERS = MarkerPattern(
 def maxar1300_grasp() -> Spacecraft:
     """Return the Maxar-1300 in the frame of its grasping point, with the board and its dots.
 
-    Its retroreflectors, 1.1 m and more away, have their supports but no faces; its telemetry antenna
-    makes room for the board.
+    Its retroreflectors, 1.1 m and more away, have their supports but no faces; its telemetry
+    antenna makes room for the board.
     """
     whole = maxar1300()
     offset = -np.array(GRASPING_POINT_M)
@@ -88,7 +88,7 @@ def _board() -> trimesh.Trimesh:
 
 
 def grasp_board_outline() -> Wireframe:
-    """Return the board's face as four corners and four edges, in the frame of the grasping point."""
+    """Return the board's face, four corners and four edges, in the grasping point's frame."""
     x, y = CENTRE_M
     half_x, half_y = 0.5 * BOARD_M[0], 0.5 * BOARD_M[1]
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

@@ -1,4 +1,4 @@
-"""A spacecraft as a camera of colours sees it: the three bands of its materials are red, green, blue.
+"""A spacecraft as a camera of colours sees it: its materials' bands are red, green and blue.
 
 A rendering carries three bands at once. For the near infrared they are those of
 ``models.materials``; here they are those of ``models.sensors.bayer_mosaic``. A material of which no

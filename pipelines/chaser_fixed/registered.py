@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from models.frame import IMAGE_800, IMAGE_850
 from models.onboard import OnboardKnowledge
-from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.chaser_fixed.options import VARIANTS, options_for
 from pipelines.chaser_fixed.pipeline import ChaserFixed
 from pipelines.pipeline import RegisteredPipeline
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 
 NAME = "chaser_fixed"
 

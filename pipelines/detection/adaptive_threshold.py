@@ -3,8 +3,8 @@
 For a bright foreground ``T = (1.6 - s) m`` with m the mean over an odd window and s the
 sensitivity; the image goes on beyond its border as at it (replicate), levels are scaled to [0, 1]
 and T is held there. Two traps: in the middle of a disc as wide as the window the mean is near the
-level itself, so that with s = 0.3 the disc gets a hole; and a saturated pixel is not above a T of 1.
-Small holes are filled, and a saturated pixel counts where T is 1.
+level itself, so that with s = 0.3 the disc gets a hole; and a saturated pixel is not above a T of
+1. Small holes are filled, and a saturated pixel counts where T is 1.
 
 Source of the use: Opromolla et al. 2022, equation 16.
 """

@@ -1,8 +1,8 @@
 """Bright blobs on black that may be painted discs, whole or in part: each with its circle.
 
-A blob that a shadow cuts has its centroid in the wrong place, but what is left of its rim still lies
-on a circle of known radius. Circles through pairs of boundary pixels vote (Fischler and Bolles 1981);
-the one that most of the boundary lies on wins.
+A blob that a shadow cuts has its centroid in the wrong place, but what is left of its rim still
+lies on a circle of known radius. Circles through pairs of boundary pixels vote (Fischler and Bolles
+1981); the one that most of the boundary lies on wins.
 """
 
 from __future__ import annotations

@@ -142,7 +142,7 @@ def find_edge(
 
 
 def _start(band: EdgeBand, width_px: float) -> tuple[Floats, Floats, Floats]:
-    """Return levels on both sides, and where the edge is by the share of the band that is inside."""
+    """Return both levels, and where the edge is by the share of the band that is inside."""
     count, place, depth = band.sections, band.section, band.depth_px
     rim = min(FAR_INSIDE_PX, 0.6 * width_px)
 
@@ -209,4 +209,5 @@ def _blur_step(
     own -= float(np.einsum("ni,nij,nj->", coupling, inverse, coupling))
     pull = float((weighted * residual).sum()) - float((coupling * change).sum())
     prior = (BLUR_TOLERANCE * max(told_blur, BLUR_RANGE_PX[0])) ** -2.0
-    return (pull + prior * (told_blur - blur)) / max(own + prior, 1e-12), coupling
+    change_px = (pull + prior * (told_blur - blur)) / max(own + prior, 1e-12)
+    return float(change_px), np.asarray(coupling, dtype=np.float64)

@@ -185,7 +185,7 @@ class BestLook:
         )  # fmt: skip
 
     def _posed(self, raw: Image, rough: FittedDots, predicted: PredictedPose) -> _Found | str:
-        """Solve for the pose of roughly fitted dots, fit all rims anew from there, and solve again."""
+        """Solve for the pose of roughly fitted dots, fit all rims from there, and solve again."""
         outcome = self._solved(rough.match, predicted)
         if isinstance(outcome, str):
             return self._told(outcome, rough)

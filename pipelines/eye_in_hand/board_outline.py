@@ -102,20 +102,21 @@ def pose_from_outline(
     OutlinePose or str
         In words, why there is none.
     """
-    pose, information = start, np.linalg.inv(prior_covariance + 1e-12 * np.eye(6))
-    pose = _drawn_to_dots(camera, markers, match, pose, information)
+    information: Floats = np.linalg.inv(prior_covariance + 1e-12 * np.eye(6)).astype(np.float64)
+    pose = _drawn_to_dots(camera, markers, match, start, information)
     sought = sections = None
     for width in BANDS_PX:
         sought = pose
         sections = _found(raw, camera, detector, board, pose, width, blur_px)
         if len(sections.edge) < LEAST_SECTIONS:
             return "and too little of the board's outline shows"
-        prior = information if width == BANDS_PX[0] else np.zeros((6, 6))
+        prior = information if width == BANDS_PX[0] else 0.0 * information
         solved = _solved(camera, markers, match, pose, sections, prior)
         if solved is None:
             return _unobservable(match, sections)
         pose = solved[0]
-    assert sections is not None and sought is not None
+    assert sections is not None
+    assert sought is not None
     left = _left_of_sections(camera, sought, pose, sections)
     return _summary(camera, markers, match, pose, sections, left, edge_sigma_m)
 

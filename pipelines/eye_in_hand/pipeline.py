@@ -15,7 +15,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from models.arrays import Floats, Image
+from models.arrays import Floats, Image, Indices
 from models.errors import DatasetError
 from models.estimate import Detections, Estimate
 from models.frame import IMAGE, Frame
@@ -149,7 +149,7 @@ class EyeInHand:
             )
 
 
-def _detections(points: Floats, matched: Floats, sigma_px: float, solved: bool) -> Detections:
+def _detections(points: Floats, matched: Indices, sigma_px: float, solved: bool) -> Detections:
     return Detections(
         points_px=points,
         sigma_px=np.full((len(points), 2), sigma_px),

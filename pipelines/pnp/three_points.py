@@ -110,4 +110,5 @@ def _exact_poses(camera: Camera, points: Floats, pixels: Floats) -> list[RigidTr
 def _same(one: RigidTransform, other: RigidTransform) -> bool:
     turn = Rotation.from_matrix(one.rotation @ other.rotation.T).magnitude()
     shift = float(np.linalg.norm(one.translation - other.translation))
-    return turn < SAME_TURN_RAD and shift < SAME_SHIFT * float(np.linalg.norm(one.translation))
+    nearby = shift < SAME_SHIFT * float(np.linalg.norm(one.translation))
+    return bool(turn < SAME_TURN_RAD) and nearby

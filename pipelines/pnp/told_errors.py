@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -50,7 +51,7 @@ def common_covariance_px2(
         sigma = sigmas.get(f"camera.{key}", 0.0)
         if sigma > 0.0:
             value = float(getattr(camera, key))
-            low, high = (replace(camera, **{key: value + side * step}) for side in (-1.0, 1.0))
+            low, high = _with(camera, key, value - step), _with(camera, key, value + step)
             moved = (high.project(in_cam) - low.project(in_cam)).reshape(-1) / (2.0 * step)
             common += sigma**2 * np.outer(moved, moved)
     place_m = sigmas.get(PLACE, 0.0)
@@ -59,6 +60,11 @@ def common_covariance_px2(
             rows = slice(2 * index, 2 * index + 2)
             common[rows, rows] += place_m**2 * by_point @ by_point.T
     return common
+
+
+def _with(camera: Camera, key: str, value: float) -> Camera:
+    changes: dict[str, Any] = {key: value}
+    return replace(camera, **changes)
 
 
 def _by_place(camera: Camera, points_in_target: Floats, pose: RigidTransform) -> Floats:

@@ -1,4 +1,4 @@
-"""Charge of a chip behind Bayer's filters: each band passes the lens, then each pixel takes its own.
+"""Charge of a chip behind Bayer's filters: all bands pass the lens, each pixel takes its own.
 
 The lens blurs each band before the filters part them, so all three are there at every pixel until
 then. Demosaicing is the pipeline's.

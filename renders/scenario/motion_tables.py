@@ -56,6 +56,6 @@ class FrameTable(Table):
     """What a frame is."""
 
     kind: Literal["pairs", "single", "colour"] = Field(
-        description="800 and 850 nm, lit by the lamps; or one image, as where no markers are; or one "
-        "behind Bayer's filters, of white dots, with a first pose"
+        description="800 and 850 nm, lit by the lamps; or one image, as where no markers are; or "
+        "one behind Bayer's filters, of white dots, with a first pose"
     )

@@ -1,7 +1,8 @@
 """Raw Bayer images of white dots on a black board, drawn finely and averaged: no renderer.
 
-Each pixel near a dot is divided into ``FINE`` by ``FINE`` (elsewhere into ``coarse``); the ray through each part meets the board's plane or
-a dot's, which says what is there and whether it is lit. A Gaussian in the fine image is the lens.
+Each pixel near a dot is divided into ``FINE`` by ``FINE``, elsewhere into ``coarse``; the ray
+through each part meets the board's plane or a dot's, which says what is there and whether it is
+lit. A Gaussian in the fine image is the lens.
 """
 
 from __future__ import annotations

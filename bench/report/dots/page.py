@@ -42,8 +42,8 @@ def _rivals(score: dict[str, Any]) -> Section:
         "Poses that fit as well",
         tables=(TitledTable("Poses that fit as well", Table(head, rows, {}, {})),),
         note=(
-            "Three dots fit up to four poses exactly. The prediction, of the prior and of the poses "
-            "before, decides; the lead is how much further from it the closest other pose lies, in "
-            "sigmas squared. A pose that leads by less than 13.8 is not said."
+            "Three dots fit up to four poses exactly. The prediction, of the prior and of the "
+            "poses before, decides; the lead is how much further from it the closest other pose "
+            "lies, in sigmas squared. A pose that leads by less than 13.8 is not said."
         ),
     )

@@ -1,4 +1,4 @@
-"""How often another pose fitted the dots as well, and how clearly the one that was said lay ahead."""
+"""How often another pose fitted the dots as well, and how clearly the one said lay ahead."""
 
 from __future__ import annotations
 

@@ -134,9 +134,10 @@ def read_true_dataset(dataset: Dataset) -> TrueDataset:
     for entry in dataset.entries:
         truth = _last_of(exposures, entry.index)
         if truth is None:
+            exposure = f"{'850 nm ' if pairs else ''}exposure of frame {entry.index}"
             raise DatasetError(
-                f"{folder}/truth/exposures.jsonl: expected the {'850 nm ' if pairs else ''}"
-                f"exposure of frame {entry.index}, found none; run the render again, it goes on where it stopped"
+                f"{folder}/truth/exposures.jsonl: expected the {exposure}, found none; "
+                "run the render again, it goes on where it stopped"
             )
         if len(truth.markers_px) != len(pattern):
             raise DatasetError(

@@ -81,7 +81,7 @@ def test_a_dot_that_a_shadow_cuts_is_found_by_its_lit_part(through_m: float) -> 
         disc = fitted(with_noise(mean, DETECTOR, seed), outlines, 0, offset=(0.4, 0.3))
         assert isinstance(disc, LitDisc)
         assert disc.rim < 0.95
-        error = disc.shift_px + [0.4, 0.3]
+        error = disc.shift_px + np.array([0.4, 0.3])
         errors.append(error)
         squares.append(error @ np.linalg.solve(disc.covariance_px2, error))
     assert np.abs(np.mean(errors, axis=0)).max() < 0.02  # the blob's centroid is 5 to 15 px off
