@@ -26,7 +26,7 @@ from models.wireframe.wireframe import Wireframe
 BOARD = "grasp_board"
 BOARD_M = (0.30, 0.10, 0.006)  # section 3.2
 CENTRE_M = (0.0, 0.20)  # above the grasping point
-PROUD_M = 0.0005  # of a dot before what it is painted on
+PROUD_M = 1e-4  # of a dot before the black: two coats of paint
 BOSS_RADIUS_M = 0.017
 ANTENNA, ANTENNA_ASIDE_M = "telemetry_antenna", (-0.28, 0.0, 0.0)  # from the middle of the board
 GRASPING_POINT_M = (0.0, RADIUS_M, 0.0)  # in the target's own frame

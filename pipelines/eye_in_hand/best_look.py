@@ -35,7 +35,7 @@ MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
 CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its radii
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY = "markers.radius_m"
-TRIALS = 3
+TRIALS, REFITS = 3, 2
 ROUGH_SIZE, ROUGH_SHAPE, OUTSIDE_PX = 0.03, 0.01, -1e6
 CAPTURE_SIGMAS, CAPTURE_SHARE = 3.0, 0.25  # of a prediction, and in radii
 
@@ -107,9 +107,9 @@ class BestLook:
         )
         reason, fitted = "", None
         for chosen in ranked[:TRIALS]:
-            tried = self._fitted(raw, circles, chosen, predicted)
-            fitted = fitted if fitted is not None else tried
-            outcome = self._posed(raw, tried, predicted)
+            rough = self._fitted(raw, circles, chosen, predicted)
+            outcome, last = self._posed(raw, rough, predicted)
+            fitted = fitted if fitted is not None else last
             if not isinstance(outcome, str):
                 return self._said(circles, outcome)
             reason = reason or outcome
@@ -131,7 +131,7 @@ class BestLook:
         fitted = self._refitted(raw, predicted.pose, self._blur_px, known)
         if len(fitted.match) < len(self._markers):
             return None
-        outcome = self._posed(raw, fitted, predicted)
+        outcome, _ = self._posed(raw, fitted, predicted)
         return None if isinstance(outcome, str) else outcome
 
     def _refitted(
@@ -184,24 +184,29 @@ class BestLook:
             elsewhere, self._blur_px, KnownDisc(_size_sigma(predicted), ROUGH_SHAPE),
         )  # fmt: skip
 
-    def _posed(self, raw: Image, rough: FittedDots, predicted: PredictedPose) -> _Found | str:
-        """Solve for the pose of roughly fitted dots, fit all rims from there, and solve again."""
-        outcome = self._solved(rough.match, predicted)
-        if isinstance(outcome, str):
-            return self._told(outcome, rough)
-        fitted = rough
-        for _ in range(2):
+    def _posed(
+        self, raw: Image, rough: FittedDots, predicted: PredictedPose
+    ) -> tuple[_Found | str, FittedDots]:
+        """Solve for the pose of roughly fitted dots, fit all rims from there, and solve again.
+
+        Returns the pose, or why there is none, and the dots as they were fitted last.
+        """
+        fitted, outcome = rough, self._solved(rough.match, predicted)
+        for _ in range(REFITS):
+            if isinstance(outcome, str):
+                return self._told(outcome, fitted), fitted
             known = KnownDisc(self._size_sigma)
             fitted = self._refitted(raw, outcome.pose, fitted.blur_px, known)
             outcome = self._solved(fitted.match, predicted)
-            if isinstance(outcome, str):
-                return self._told(outcome, fitted)
             if fitted.furthest_px < SETTLED_PX and fitted.worst_size < SETTLED_SIZE:
                 break
+        if isinstance(outcome, str):
+            return self._told(outcome, fitted), fitted
         if fitted.worst_size > MOST_SIZE_ERROR:
-            return f"a dot is {100 * fitted.worst_size:.0f} % off the size that the pose gives it"
+            off = 100.0 * fitted.worst_size
+            return f"a dot is {off:.0f} % off the size that the pose gives it", fitted
         self._blur_px = fitted.blur_px
-        return outcome
+        return outcome, fitted
 
     @staticmethod
     def _told(reason: str, fitted: FittedDots) -> str:
