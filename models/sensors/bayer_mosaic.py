@@ -78,6 +78,10 @@ def mosaicked(planes: Sequence[AnyArray]) -> Floats:
     ----------
     planes : sequence of three (height, width) arrays
         Red, green, blue at every pixel.
+
+    Returns
+    -------
+    (height, width) array
     """
     mosaic = np.array(planes[1], dtype=np.float64)
     mosaic[0::2, 0::2] = planes[0][0::2, 0::2]
