@@ -44,9 +44,19 @@ def above_threshold(grey: Radiance, threshold: Radiance) -> Mask:
 
 
 def without_holes(foreground: Mask, most_px: float) -> Mask:
-    """Return the foreground with its holes filled that have at most ``most_px`` pixels.
+    """Fill the holes of a foreground, but none that is large.
 
     A board in a bright surround is a hole, too, and stays one.
+
+    Parameters
+    ----------
+    foreground : (height, width) array of bool
+    most_px : float, px
+        Pixels of the largest hole that is filled.
+
+    Returns
+    -------
+    (height, width) array of bool
     """
     count, label, stats, _ = cv2.connectedComponentsWithStats(
         (~foreground).astype(np.uint8), connectivity=4

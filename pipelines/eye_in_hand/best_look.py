@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import Floats, Image, Indices
-from models.estimate import NO_STATES, Detections, NamedState
+from models.estimate import NO_STATES, Detections, NamedState, PoseEstimate
 from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
 from pipelines.detection.adaptive_threshold import above_threshold, adaptive_threshold, ceil_odd
@@ -22,7 +22,7 @@ from pipelines.eye_in_hand.board_outline import pose_from_outline
 from pipelines.eye_in_hand.dot_identification import rank_matches
 from pipelines.eye_in_hand.dot_refinement import FittedDots, fit_dots
 from pipelines.eye_in_hand.options import EyeInHandOptions
-from pipelines.eye_in_hand.sighting import Sighting
+from pipelines.eye_in_hand.sighting import Sighting, blind
 from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.predicted_pose import PredictedPose
@@ -91,7 +91,7 @@ class BestLook:
         """
         dots = predict_markers(self._camera, self._markers, predicted)
         if dots is None:
-            return Sighting.blind("no dot faces the camera in the predicted pose")
+            return blind("no dot faces the camera in the predicted pose")
         followed = self._followed(raw, dots, predicted)
         if followed is not None:
             return self._said(DotCandidates.none(), followed)
@@ -267,13 +267,13 @@ class BestLook:
     ) -> Sighting:
         seen = self._detections(circles, fitted.match, (False,) * len(fitted.match))
         if self._board is None or len(fitted.match) > 2:
-            return Sighting.without_pose(reason, seen)
+            return Sighting(None, reason, seen)
         solved = pose_from_outline(
             raw, self._camera, self._detector, self._markers, self._board, fitted.match,
             predicted.pose, predicted.covariance, fitted.blur_px, self._options.outline_sigma_m,
         )  # fmt: skip
         if isinstance(solved, str):
-            return Sighting.without_pose(f"{reason}, {solved}", seen)
+            return Sighting(None, f"{reason}, {solved}", seen)
         covariance = self._outline_covariance(fitted.match, solved.pose, solved.covariance)
         sigma = np.sqrt(np.diag(covariance))
         options = self._options
@@ -281,18 +281,22 @@ class BestLook:
             sigma[3:].max() > options.most_sigma_m
             or np.rad2deg(sigma[:3].max()) > options.most_sigma_deg
         ):
-            return Sighting.without_pose(
+            return Sighting(
+                None,
                 f"{reason}, and with the board's outline the pose is known to "
                 f"{1e3 * sigma[3:].max():.0f} mm and {np.rad2deg(sigma[:3].max()):.1f} deg only",
                 seen,
             )
         both = PredictedPose(predicted.pose, predicted.covariance + covariance, 0)
         if both.squared_distance(solved.pose) > options.farthest_chi2:
-            return Sighting.without_pose(
-                f"{reason}, and the board's outline gives a pose far from the predicted one", seen
+            return Sighting(
+                None,
+                f"{reason}, and the board's outline gives a pose far from the predicted one",
+                seen,
             )
         seen = self._detections(circles, fitted.match, (True,) * len(fitted.match))
-        return Sighting.with_pose(solved.pose, covariance, solved.residual_rms_px, seen, "outline")
+        pose = PoseEstimate(solved.pose, covariance, solved.residual_rms_px)
+        return Sighting(pose, None, seen, "outline")
 
     def _outline_covariance(self, match: Match, pose: RigidTransform, own: Floats) -> Floats:
         """Add what the told errors do to the dots' part, as if the board's corners were points."""
@@ -319,14 +323,9 @@ class BestLook:
                     }
                 )
             }
-        return Sighting.with_pose(
-            found.pose,
-            found.covariance,
-            found.residual_rms_px,
-            self._detections(circles, found.match, found.used),
-            "dots",
-            states,
-        )
+        pose = PoseEstimate(found.pose, found.covariance, found.residual_rms_px)
+        seen = self._detections(circles, found.match, found.used)
+        return Sighting(pose, None, seen, "dots", states)
 
     def _detections(
         self, circles: DotCandidates, match: Match, used: tuple[bool, ...]

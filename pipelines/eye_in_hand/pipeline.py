@@ -17,14 +17,14 @@ import numpy as np
 
 from models.arrays import Floats, Image, Indices
 from models.errors import DatasetError
-from models.estimate import Detections, Estimate
+from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import IMAGE, Frame
 from models.wireframe.wireframe import Wireframe
 from pipelines.detection.area_opening import expected_radius_px
 from pipelines.eye_in_hand.best_look import BestLook
 from pipelines.eye_in_hand.options import VARIANTS, EyeInHandOptions, options_for
 from pipelines.eye_in_hand.printed_detection import detect_as_printed
-from pipelines.eye_in_hand.sighting import FARTHEST_M, Sighting
+from pipelines.eye_in_hand.sighting import FARTHEST_M, Sighting, blind
 from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.pnp.identification import identification_gate_px, nearest_neighbour
 from pipelines.pnp.match import Match
@@ -92,7 +92,7 @@ class EyeInHand:
         predicted = self._motion.predict(frame.time_s)
         depth_m = float(predicted.pose.translation[2])
         if not self._markers.radius_m < depth_m < FARTHEST_M:
-            sighting = Sighting.blind(
+            sighting = blind(
                 f"the predicted target is {depth_m:.3g} m ahead of the camera, out of sight"
             )
         elif self._options.fits_rims:
@@ -134,10 +134,9 @@ class EyeInHand:
         outcome = solve_match(self._camera, markers, match, predicted.pose, radius, options)
         detections = _detections(points, matched, sigma, not isinstance(outcome, str))
         if isinstance(outcome, str):
-            return Sighting.without_pose(outcome, detections)
-        return Sighting.with_pose(
-            outcome.pose, outcome.covariance, outcome.residual_rms_px, detections, "dots"
-        )
+            return Sighting(None, outcome, detections)
+        pose = PoseEstimate(outcome.pose, outcome.covariance, outcome.residual_rms_px)
+        return Sighting(pose, None, detections, "dots")
 
     def _require_size(self, frame: int, raw: Image) -> None:
         expected = (self._camera.height, self._camera.width)

@@ -43,6 +43,14 @@ def colour_rates(
 
 
 def electrons_of_band(channel: int, optics: Optics, detector: Detector) -> float:
-    """Return electrons per pixel and second for 1 W m-2 sr-1 within a filter's band, on axis."""
+    """Return electrons per pixel and second for 1 W m-2 sr-1 within a filter's band, on axis.
+
+    Parameters
+    ----------
+    channel : int
+        Which of ``models.sensors.bayer_mosaic.BANDS``.
+    optics : Optics
+    detector : Detector
+    """
     band = BANDS[channel]
     return band.transmission * electrons_per_radiance(optics, detector, band.middle_nm)
