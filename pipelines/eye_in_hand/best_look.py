@@ -13,6 +13,7 @@ from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
 from pipelines.detection.adaptive_threshold import above_threshold, adaptive_threshold, ceil_odd
 from pipelines.detection.bayer_grey import quad_grey
+from pipelines.detection.disc_outline import disc_outlines
 from pipelines.detection.dot_candidates import DotCandidates, find_dots
 from pipelines.detection.image_difference import Region, saturation_level_dn
 from pipelines.detection.lit_disc import KnownDisc
@@ -175,13 +176,15 @@ class BestLook:
         self, raw: Image, circles: DotCandidates, chosen: Indices, predicted: PredictedPose
     ) -> FittedDots:
         """Fit the rims of the circles that were chosen."""
-        centres = np.full((len(chosen), 2), np.nan)
-        centres[chosen >= 0] = circles.centres[chosen[chosen >= 0]]
-        elsewhere = np.where(np.isfinite(centres), centres, OUTSIDE_PX)
+        outlines = disc_outlines(self._camera, predicted.pose, self._markers)
+        centres, sizes = np.full((len(chosen), 2), OUTSIDE_PX), np.ones(len(chosen))
+        has_one = chosen >= 0
+        centres[has_one] = circles.centres[chosen[has_one]]
+        sizes[has_one] = circles.radii[chosen[has_one]] / outlines.radii_px[has_one]
         # Rough shapes do for rough centres: the size is left nearly free.
         return fit_dots(
-            raw, self._camera, self._detector, self._markers, predicted.pose,
-            elsewhere, self._blur_px, KnownDisc(_size_sigma(predicted), ROUGH_SHAPE),
+            raw, self._camera, self._detector, self._markers, predicted.pose, centres,
+            self._blur_px, KnownDisc(_size_sigma(predicted), ROUGH_SHAPE), sizes,
         )  # fmt: skip
 
     def _posed(

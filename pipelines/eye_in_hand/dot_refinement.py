@@ -56,6 +56,7 @@ def fit_dots(
     centres_px: Floats,
     blur_px: float,
     known: KnownDisc,
+    sizes: Floats | None = None,
 ) -> FittedDots:
     """Fit all dots that a pose sees whole in the image and large enough.
 
@@ -71,6 +72,8 @@ def fit_dots(
         Expected 1-sigma of the lens's blur.
     known : KnownDisc
         How well the pose tells the outlines.
+    sizes : (n,) array, optional
+        Their sizes as they were seen, over those by the pose; 1 unless given.
     """
     outlines = disc_outlines(camera, pose, markers)
     level = saturation_level_dn(detector)
@@ -91,7 +94,8 @@ def fit_dots(
         elif not camera.contains(centre, radius + 2.0):
             refused[index] = "the image cuts it"
         else:
-            shape = outlines.shapes_px2[index]
+            seen = 1.0 if sizes is None else float(sizes[index])
+            shape = seen**2 * outlines.shapes_px2[index]
             fit = fit_lit_disc(raw, detector, level, centre, shape, blur_px, known)
             wrong = fit if isinstance(fit, str) else _unbelievable(fit, radius, known)
             if wrong or isinstance(fit, str):

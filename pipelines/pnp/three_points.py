@@ -107,8 +107,8 @@ def _exact_poses(camera: Camera, points: Floats, pixels: Floats) -> list[RigidTr
     return poses
 
 
-def _same(one: RigidTransform, other: RigidTransform) -> bool:
-    turn = Rotation.from_matrix(one.rotation @ other.rotation.T).magnitude()
-    shift = float(np.linalg.norm(one.translation - other.translation))
-    nearby = shift < SAME_SHIFT * float(np.linalg.norm(one.translation))
+def _same(pose: RigidTransform, other: RigidTransform) -> bool:
+    turn = Rotation.from_matrix(pose.rotation @ other.rotation.T).magnitude()
+    shift = float(np.linalg.norm(pose.translation - other.translation))
+    nearby = shift < SAME_SHIFT * float(np.linalg.norm(pose.translation))
     return bool(turn < SAME_TURN_RAD) and nearby
