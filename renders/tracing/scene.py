@@ -236,13 +236,8 @@ def build_geometry(
         surface_of_shape[key] = surface_of_material[material]
     markers = installed if installed is not None else target.markers
     if markers is not None:
-        disc = surface_of_disc(optics)
-        if markers.paint:
-            disc = replace(
-                surface_of(target.materials.get(markers.paint) or MATERIALS[markers.paint]),
-                two_sided=False,
-            )
-        face = mi.load_dict(bsdf_dict(disc))
+        painted = _painted(target, markers)
+        face = mi.load_dict(bsdf_dict(painted or surface_of_disc(optics)))
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True
         ):
@@ -251,7 +246,7 @@ def build_geometry(
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
             place = disc_place(point, normal, markers.radius_m)
-            surface_of_shape[key] = surface_of_disc(optics, place)
+            surface_of_shape[key] = painted or surface_of_disc(optics, place)
     if chaser is not None:
         for number, ((_, material, smooth), mesh) in enumerate(_merged(chaser.parts).items()):
             key = f"chaser_{number:03d}"
@@ -263,6 +258,14 @@ def build_geometry(
     return SceneGeometry(
         shapes, labels, label_of_shape, surface_of_shape, chaser_in_cam, markers, optics
     )
+
+
+def _painted(target: Spacecraft, markers: MarkerPattern) -> Surface | None:
+    """Return what painted dots return; None of retroreflectors."""
+    if not markers.paint:
+        return None
+    paint = target.materials.get(markers.paint) or MATERIALS[markers.paint]
+    return replace(surface_of(paint), two_sided=False)
 
 
 def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:
