@@ -141,9 +141,11 @@ def test_a_shadow_over_a_dot_costs_the_printed_pipeline_more(through_m: float) -
     # Light from the right: the shadow's dark side is the left one.
     scene = DotScene(pose, lit=lambda points: 1.03 - lit(points))
     raw = raw_image(scene)
-    position_mm, attitude_deg = errors(said_of(raw, onboard(pose)), pose)
-    assert position_mm < 0.15
-    assert attitude_deg < 0.05
+    said = said_of(raw, onboard(pose))
+    position_mm, attitude_deg = errors(said, pose)
+    assert position_mm < 0.4  # of two dots and the board, where too little of the rim is lit
+    assert attitude_deg < 0.1
+    assert nees(said, pose) < 30.0
     printed = said_of(raw, onboard(pose), "paper")
     if printed.pose is not None:
         assert errors(printed, pose)[0] > 10.0 * position_mm
