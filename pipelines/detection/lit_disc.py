@@ -25,7 +25,7 @@ LEAST_STEP_SIGMAS = 8.0
 MOST_MISFIT = 0.06  # of a section, over its step
 OUTLIER_SIGMAS, LEAST_SPREAD_PX = 4.0, 0.02
 SECTION_FLOOR_PX = 0.004  # 1-sigma of a section's place from taking its edge and light as even
-CENTRE_FLOOR_PX, CENTRE_FLOOR_SHARE = 0.003, 4e-4  # and of the radius: light is not quite even
+CENTRE_FLOOR_PX, CENTRE_FLOOR_SHARE = 0.003, 7e-4  # and of the radius: light is not quite even
 LEAST_RIM = 0.35  # of the rim: with less, a wrong radius moves the centre too far
 ROUNDS = 8
 

@@ -67,7 +67,9 @@ def crease_factor(
     ----------
     surface : Surface
     slopes : (3, n) array
-        Of ``crease_slopes``, with ``variance`` (n,).
+        Of ``crease_slopes``.
+    variance : (n,) array
+        Of them.
     normal : (3, n) array
     both : (3, n) array
         Sum of the directions to the viewer and to the light.

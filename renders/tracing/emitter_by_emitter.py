@@ -149,7 +149,14 @@ def _map_directions(row: Floats, column: Floats) -> Floats:
 
 
 def group_scene(geometry: SceneGeometry, group: LightGroup, cam_from_target: RigidTransform) -> Any:
-    """Load the scene with the emitters of one group, the chaser in its place."""
+    """Load the scene with the emitters of one group, the chaser in its place.
+
+    Parameters
+    ----------
+    geometry : SceneGeometry
+    group : LightGroup
+    cam_from_target : RigidTransform
+    """
     if isinstance(group, SunGroup):
         scene = geometry.scene(sun=_sun_emitter(group))
     elif isinstance(group, EarthGroup):
@@ -161,7 +168,15 @@ def group_scene(geometry: SceneGeometry, group: LightGroup, cam_from_target: Rig
 
 
 def turn_sun(scene: Any, direction: Floats) -> None:
-    """Let a scene's Sun shine from another place of its disc."""
+    """Let a scene's Sun shine from another place of its disc.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        Of ``group_scene``.
+    direction : (3,) array
+        Unit vector to that place.
+    """
     params = mi.traverse(scene)
     params["sun.to_world"] = _sun_transform(direction)
     params.update()

@@ -152,7 +152,16 @@ def marker_transform(point: Floats, normal: Floats, radius_m: float) -> Floats:
 
 
 def disc_place(point: Floats, normal: Floats, radius_m: float) -> DiscPlace:
-    """Return where a marker's disc lies, with the axes of ``marker_transform``."""
+    """Return where a marker's disc lies, with the axes of ``marker_transform``.
+
+    Parameters
+    ----------
+    point : (3,) array, m
+        The disc's centre, target frame.
+    normal : (3,) array
+        Of any length.
+    radius_m : float, m
+    """
     matrix = marker_transform(point, normal, radius_m)
     along, across = (tuple(float(x) for x in matrix[:3, k] / radius_m) for k in range(2))
     centre = tuple(float(x) for x in point)
