@@ -11,7 +11,7 @@ import numpy as np
 from models.errors import DatasetError, ScenarioError
 from models.motion.pose_table import ROUNDING_S, PoseTable, pose_table
 from renders.scenario.motion_tables import MotionKind
-from renders.scenario.own_target import target_has_markers
+from renders.scenario.own_target import target_has_dots, target_has_markers
 
 if TYPE_CHECKING:
     from models.motion.table_motion import TableMotion
@@ -33,12 +33,14 @@ def motion_kind_of(scenario: Scenario) -> MotionKind:
 
 
 def frame_kind_of(scenario: Scenario) -> str:
-    """Return what a frame is, ``pairs`` or ``single``, typed or not."""
+    """Return what a frame is, ``pairs``, ``single`` or ``colour``, typed or not."""
     if scenario.frame is not None:
         return scenario.frame.kind
     kind = motion_kind_of(scenario)
     if kind != "poses":
         return "pairs" if kind == "approach" else "single"
+    if scenario.markers is None and target_has_dots(scenario):
+        return "colour"
     has_markers = scenario.markers is not None or target_has_markers(scenario)
     return "pairs" if has_markers else "single"
 

@@ -66,6 +66,7 @@ class MotionTable(Table):
 class FrameTable(Table):
     """What a frame is."""
 
-    kind: Literal["pairs", "single"] = Field(
-        description="800 and 850 nm, lit by the lamps, or one image; single where no markers are"
+    kind: Literal["pairs", "single", "colour"] = Field(
+        description="800 and 850 nm, lit by the lamps; or one image, as where no markers are; or "
+        "one behind Bayer's filters, of white dots, with a first pose"
     )

@@ -166,7 +166,7 @@ class Scenario(Table):
 
     @property
     def frame_kind(self) -> str:
-        """What a frame is: ``pairs`` or ``single``."""
+        """What a frame is: ``pairs``, ``single`` or ``colour``."""
         return frame_kind_of(self)
 
     @property
@@ -197,7 +197,7 @@ class Scenario(Table):
         """The chip, with the pixels that are rendered."""
         table = self.detector.model_dump()
         table["pixel_pitch_um"] /= self.pixel_scale
-        return Detector(**table)
+        return Detector(**table, mosaic="rggb" if self.frame_kind == "colour" else "none")
 
     @property
     def simulated_scatter(self) -> LensScatter:

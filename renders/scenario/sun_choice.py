@@ -11,7 +11,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from models.errors import ScenarioError
-from models.lights.sun import SUN_CASES_DEG, sun_direction
+from models.lights.sun import NAMED_SUNS, sun_direction
 from models.sky.sun_ephemeris import epoch_of
 from renders.scenario.motion_choice import motion_kind_of, table_motion_of
 
@@ -92,7 +92,7 @@ def check_suns(scenario: Scenario, where: str) -> None:
     for key, name in [("default", default), *(("shared", name) for name in scenario.sun.shared)]:
         if key == "default" and name in (TABLE, EPOCH):
             continue
-        if kind == "tumble" and name.strip().upper() in SUN_CASES_DEG:
+        if kind == "tumble" and name.strip().upper() in NAMED_SUNS:
             raise ScenarioError(
                 f"{where}: expected sun.default, with [tumble], as a vector x,y,z towards the Sun "
                 f"in the inertial frame of the orbit, got {name!r}, which stands in target axes; "

@@ -173,7 +173,7 @@ def check_told(scenario: Scenario, where: str) -> None:
     """
     if scenario.told is None:
         return
-    told_of = dict.fromkeys(OF_PAIRS, scenario.frame_kind == "pairs")
+    told_of = dict.fromkeys(OF_PAIRS, scenario.frame_kind in ("pairs", "colour"))
     told_of |= dict.fromkeys(OF_TUMBLE, scenario.motion_kind == "tumble")
     for name, is_told in told_of.items():
         if getattr(scenario.told, name) is not None and not is_told:

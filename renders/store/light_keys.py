@@ -33,6 +33,7 @@ def spacecraft_hash(spacecraft: Spacecraft) -> str:
         digest.update(np.ascontiguousarray(spacecraft.markers.points_in_target).data)
         digest.update(np.ascontiguousarray(spacecraft.markers.normals_in_target).data)
         digest.update(repr(spacecraft.markers.radius_m).encode())
+        digest.update(spacecraft.markers.paint.encode())
     return digest.hexdigest()
 
 

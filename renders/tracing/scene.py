@@ -17,6 +17,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.markers import MarkerPattern
+from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
@@ -261,8 +262,8 @@ def build_geometry(
         surface_of_shape[key] = surface_of_material[part.material]
     markers = installed if installed is not None else target.markers
     if markers is not None:
-        disc = surface_of_disc(optics)
-        face = mi.load_dict(bsdf_dict(disc))
+        painted = _painted(target, markers)
+        face = mi.load_dict(bsdf_dict(painted or surface_of_disc(optics)))
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True
         ):
@@ -271,7 +272,7 @@ def build_geometry(
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
             place = disc_place(point, normal, markers.radius_m)
-            surface_of_shape[key] = surface_of_disc(optics, place)
+            surface_of_shape[key] = painted or surface_of_disc(optics, place)
     if chaser is not None:
         for number, part in enumerate(_merged(chaser.parts)):
             key = f"chaser_{number:03d}"
@@ -283,6 +284,14 @@ def build_geometry(
     return SceneGeometry(
         shapes, labels, label_of_shape, surface_of_shape, chaser_parts, markers, optics
     )
+
+
+def _painted(target: Spacecraft, markers: MarkerPattern) -> Surface | None:
+    """Return what painted dots return; None of retroreflectors."""
+    if not markers.paint:
+        return None
+    paint = target.materials.get(markers.paint) or MATERIALS[markers.paint]
+    return replace(surface_of(paint), two_sided=False)
 
 
 def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:

@@ -7,7 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from models.materials import BandReflectance
+from models.errors import ScenarioError
+from models.materials import BLACK, BandReflectance
 from models.motion.approach import Approach
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.table_motion import Stills, TableMotion
@@ -17,6 +18,7 @@ from models.sky.earth_pointing import rotation_from_wxyz
 from models.sky.sun_ephemeris import right_ascension_over
 from models.spacecraft.armed_chaser import armed_chaser
 from models.spacecraft.catalogue import spacecraft_by_name
+from models.spacecraft.in_colour import in_colour
 from models.spacecraft.own_markers import with_own_markers
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
@@ -34,7 +36,7 @@ from renders.world.arm_clear import clear_of_everything
 from renders.world.arm_planned import arm_aboard
 from renders.world.arm_told import FirstPoseByArm, JointReadings, ToldArm
 from renders.world.bodies import Bodies
-from renders.world.cameras import pair_camera, single_camera
+from renders.world.cameras import colour_camera, pair_camera, single_camera
 from renders.world.checks import (
     Check,
     Sunlit,
@@ -60,14 +62,15 @@ from renders.world.trajectory import FreeMotion, Trajectory
 from renders.world.world import World
 
 SHORTEST_S = 1.0  # a motion of one frame lasts, too
-PAIRS, TUMBLES, POSED = "retroreflector_pairs", "tumble_images", "posed_images"
+PAIRS, TUMBLES, POSED, DOTS = "retroreflector_pairs", "tumble_images", "posed_images", "dot_images"
 
 
 def world_of(scenario: Scenario) -> World:
     """Compose the things of a scenario: what moves, and what a frame of it is."""
     if scenario.tumble is not None:
         return _tumble(scenario, scenario.tumble)
-    return _pairs(scenario) if scenario.frame_kind == "pairs" else _singles(scenario)
+    composed = {"pairs": _pairs, "single": _singles, "colour": _in_colour}
+    return composed[scenario.frame_kind](scenario)
 
 
 def _pairs(scenario: Scenario) -> World:
@@ -127,6 +130,47 @@ def _singles(scenario: Scenario) -> World:
         tables=moving.tables,
         arm=moving.arm,
     )
+
+
+def _in_colour(scenario: Scenario) -> World:
+    """Single images in colour of white dots, from a first pose; the chaser is out of the way."""
+    moving, sensor = _moving(scenario), colour_camera(scenario)
+    bodies = Bodies(
+        make_target=partial(_dotted_in_colour, scenario),
+        optics=RetroreflectorOptics(returned=BLACK),
+    )
+    board, share = wireframe_if_any(scenario), scenario.pixel_scale**2
+    return World(
+        scenario=scenario,
+        chain=DOTS,
+        bodies=bodies,
+        trajectory=moving.trajectory,
+        sky=_sky(scenario, moving.sky, moving.table),
+        sensor=sensor,
+        plan=_plan(scenario, FillOfMarkers(scenario, moving.plan, bodies.optics), share, moving),
+        before_flight=BeforeFlight(
+            camera=sensor.camera,
+            calibration=scenario.calibration,
+            detector=scenario.simulated_detector,
+            marked=bodies,
+            first_pose=FirstPose(moving.trajectory, scenario.times_s[0], scenario.prior),
+            wireframe=board,
+            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
+            told=scenario.told,
+        ),
+        truth=OfMarkers(),
+        checks=(outside_the_target, shown_in_some_image),
+    )
+
+
+def _dotted_in_colour(scenario: Scenario) -> Spacecraft:
+    target = in_colour(_target(scenario))
+    if target.markers is None:
+        raise ScenarioError(
+            f'{scenario.name}: expected a target with markers for frame.kind = "colour", '
+            f"{target.name} has none; give [markers]"
+        )
+    return replace(target, markers=replace(target.markers, paint="white_paint"))
 
 
 def _tumble(scenario: Scenario, table: TumbleTable) -> World:

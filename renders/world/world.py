@@ -142,13 +142,13 @@ class World:
         """Return the groups that light one exposure under the scenario's Sun."""
         sun = self.sun_at(self.sun, exposure.time_s)
         lamps = self.sensor.stream(exposure.band).lamps
-        return [sun, *self.sky.earth_under(sun, exposure.time_s), *lamps]
+        return self.sensor.seen([sun, *self.sky.earth_under(sun, exposure.time_s), *lamps])
 
     def groups(self, exposure: Exposure) -> list[LightGroup]:
         """Return every group that is rendered for an exposure; the names are those of all."""
         suns = [self.sun_at(sun, exposure.time_s) for sun in self.suns]
         earths = [earth for sun in suns for earth in self.sky.earth_under(sun, exposure.time_s)]
-        return [*suns, *earths, *self.sensor.stream(exposure.band).lamps]
+        return self.sensor.seen([*suns, *earths, *self.sensor.stream(exposure.band).lamps])
 
     def stance(self, time_s: float) -> Stance:
         """Return how the chaser stands at an instant; always the same if nothing moves."""
