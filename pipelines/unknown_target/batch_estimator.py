@@ -1,0 +1,347 @@
+"""``best``: all measurements since the start in one least-squares problem, kept up to date.
+
+Nothing disturbs the motion, so that a filter and a batch would say the same if all were linear. It
+is not: of depth, rates and inertia the first images know so little that what a filter drops after
+each image it has dropped wrongly. Here a new image adds its rows to the normal equations (an arrow,
+see ``ArrowEquations``) where they were last linearised, and all images are linearised anew when
+there are so many more of them or the estimate has moved. What was linearised last is the same place
+for all, so nothing is learned of what cannot be seen, such as the scale of a target without range.
+
+References
+----------
+Gauss and Newton's iteration with Marquardt's damping, weights as by Holland and Welsch, Robust
+Regression Using Iteratively Reweighted Least-Squares, 1977; relinearising as by Kaess et al.,
+iSAM, 2008, with elimination of the points first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.arrays import Floats, Indices
+from models.camera import Camera
+from models.motion.clohessy_wiltshire import state_transition
+from models.motion.gravity_gradient_rotation import lvlh_from_first
+from pipelines.unknown_target import robust_weights
+from pipelines.unknown_target.arrow_equations import ArrowEquations, Solved
+from pipelines.unknown_target.batch_solution import BatchSolution
+from pipelines.unknown_target.free_tumble import FreeTumble
+from pipelines.unknown_target.observation_rows import (
+    Epochs,
+    Placed,
+    Rows,
+    centre_rows,
+    placed,
+    sighting_rows,
+    surface_rows,
+)
+from pipelines.unknown_target.options import BatchOptions
+from pipelines.unknown_target.point_tracks import FEW, PointTracks, first_places
+from pipelines.unknown_target.sightings import Ranges, Sightings
+from pipelines.unknown_target.start_guess import StartGuess
+from pipelines.unknown_target.tracked_frame import TrackedFrame
+from pipelines.unknown_target.unknowns import (
+    CHART,
+    OMEGA,
+    SHARED,
+    Prior,
+    Unknowns,
+    within_reach,
+)
+
+AHEAD_S = 30.0  # the tumble is followed at least so far beyond the last frame
+SETTLED = 0.01  # square of a step in sigmas, below which it is none
+REFUSED = 0.1  # weight below which an observation is refused
+
+
+class BatchEstimator:
+    """One target, followed from the first frame on.
+
+    Parameters
+    ----------
+    camera : Camera
+    mean_motion_rad_s : float, rad/s
+        Of the target's circular orbit.
+    start : StartGuess
+    options : BatchOptions
+    """
+
+    def __init__(
+        self, camera: Camera, mean_motion_rad_s: float, start: StartGuess, options: BatchOptions
+    ) -> None:
+        self._camera, self._motion, self._options = camera, mean_motion_rad_s, options
+        self._prior = Prior(start, options.inertia_sigma)
+        self._tracks = PointTracks(options.births)
+        self._at = Unknowns(self._prior.mean.copy(), np.zeros((0, 3)))
+        self._equations = self._prior.equations(self._at)
+        self._solved = self._equations.solve()
+        self._sightings, self._ranges = Sightings.none(), Ranges.none()
+        self._frozen: tuple[ArrowEquations, Unknowns] | None = None
+        self._epochs: Epochs | None = None
+        self._start_s, self._linearised_at = 0.0, 0
+
+    def add(self, frame: TrackedFrame) -> None:
+        """Take in a frame; its time is after those of all before."""
+        self._note(frame)
+        epochs, number = self._known_epochs, len(self._known_epochs.times_s) - 1
+        if epochs.times_s[-1] > self._tumble.until_s:
+            self._linearise()
+        seen = self._camera.normalise(frame.points_px)
+        sigma = frame.sigma_px / self._camera.fx
+        known, born = self._tracks.sort(number, frame.tracks, seen, sigma)
+        self._take_sightings(known)
+        if len(born):
+            self._give_birth(born)
+            self._solved = self._equations.solve()
+        self._sightings = self._sightings.followed_by(known)
+        if frame.range_m is not None and frame.range_sigma_m is not None:
+            self._take_range(number, frame.range_m, frame.range_sigma_m)
+        self._solved = self._equations.solve()
+        count, options = number + 1, self._options
+        if (
+            count <= options.every_frame_until
+            or count >= options.growth * self._linearised_at
+            or count * self._bend(known) > options.bend
+        ):
+            self._linearise()
+
+    def solution(self) -> BatchSolution:
+        """Return what is known by now."""
+        last = self._known_epochs.take(slice(-1, None))
+        return BatchSolution(
+            self._at,
+            placed(self._at, self._tumble, last),
+            self._equations,
+            self._solved,
+            self._prior,
+            tuple(self._tracks.names),
+            self._tracks.live,
+            self._options.lost_share,
+        )
+
+    @property
+    def _known_epochs(self) -> Epochs:
+        if self._epochs is None:
+            raise ValueError("expected a frame before anything is asked")
+        return self._epochs
+
+    def _note(self, frame: TrackedFrame) -> None:
+        if self._epochs is None:
+            self._start_s = frame.time_s
+        after_s = frame.time_s - self._start_s
+        attitude = frame.R_cam_from_lvlh
+        epoch = Epochs(
+            np.array([after_s]),
+            attitude[None],
+            (attitude @ lvlh_from_first(self._motion * after_s))[None],
+            state_transition(self._motion, after_s)[None],
+        )
+        if self._epochs is None:
+            self._epochs = epoch
+            self._tumble = self._followed(self._at)
+        elif not after_s > self._epochs.times_s[-1]:
+            raise ValueError(f"expected a frame after {self._epochs.times_s[-1]} s, got {after_s}")
+        else:
+            self._epochs = self._epochs.followed_by(epoch)
+
+    def _followed(self, at: Unknowns) -> FreeTumble:
+        epochs = self._known_epochs
+        until_s = self._options.growth * float(epochs.times_s[-1]) + AHEAD_S
+        first = epochs.R_cam_from_start[0].T
+        return FreeTumble(at.shared[OMEGA], at.shared[CHART], first, self._motion, until_s)
+
+    def _placed(self, frames: Indices) -> tuple[Placed, Indices]:
+        """Return where the target is at the frames named, each once, and which is whose."""
+        own, back = np.unique(frames, return_inverse=True)
+        return placed(self._at, self._tumble, self._known_epochs.take(own)), back
+
+    def _take_sightings(self, known: Sightings) -> None:
+        """Add the rows of points that are known."""
+        if not len(known):
+            return
+        where, frame = self._placed(known.frame)
+        rows = sighting_rows(where, self._at.points, frame, known.who, known.seen, known.sigma)
+        shift = self._predicted_shift(rows)
+        sizes = np.sqrt(np.sum((rows.error - shift) ** 2, axis=1))
+        sizes = np.where(np.isfinite(sizes), sizes, np.inf)
+        spread = robust_weights.spread(sizes, 2)
+        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+
+    def _bend(self, known: Sightings) -> float:
+        """Return how wrong the lines are by now: the square of what the last image misses them by.
+
+        Each image so far misses them by about as much, and all of them count.
+        """
+        if not len(known):
+            return 0.0
+        where, frame = self._placed(known.frame)
+        at, step = self._at, self._solved
+        straight = sighting_rows(where, at.points, frame, known.who, known.seen, known.sigma)
+        curved = sighting_rows(
+            where.moved(step.shared), at.points + step.points, frame, known.who, known.seen,
+            known.sigma,
+        )  # fmt: skip
+        missed = curved.error - straight.error + self._predicted_shift(straight)
+        return float(np.nansum(missed**2))
+
+    def _predicted_shift(self, rows: Rows) -> Floats:
+        """Return by how much the solution moves predictions from where they were linearised."""
+        return np.asarray(
+            rows.by_shared @ self._solved.shared
+            + np.einsum("mki,mi->mk", rows.by_point, self._solved.points[rows.who])
+        )
+
+    def _give_birth(self, born: Sightings) -> None:
+        before = len(self._at.points)
+        where, frame = self._placed(born.frame)
+        places = first_places(where, Sightings(frame, born.who, born.seen, born.sigma), before)
+        self._at = self._at.with_points(places)
+        self._equations.grow(len(places))
+        if self._frozen is not None:
+            self._frozen[0].grow(len(places))
+            self._frozen = self._frozen[0], self._frozen[1].with_points(places)
+        prior = self._prior.equations(self._at)
+        self._equations.D[before:] += prior.D[before:]
+        self._equations.d[before:] += prior.d[before:]
+        rows = sighting_rows(where, self._at.points, frame, born.who, born.seen, born.sigma)
+        sizes = rows.sizes
+        gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
+        self._add(rows, robust_weights.weights(sizes, gate))
+        self._sightings = self._sightings.followed_by(born)
+
+    def _take_range(self, number: int, range_m: float, sigma_m: float) -> None:
+        self._ranges = self._ranges.with_one(number, range_m, sigma_m)
+        if not len(self._at.points):
+            return
+        where, frame = self._placed(np.array([number]))
+        one = Ranges(frame, self._ranges.range_m[-1:], self._ranges.sigma_m[-1:])
+        rows = self._range_rows(where, one, self._at)
+        error = rows.error - self._predicted_shift(rows)
+        spread = self._range_spread(number)
+        sizes = np.abs(np.where(np.isfinite(error[:, 0]), error[:, 0], np.inf))
+        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+
+    def _range_spread(self, number: int) -> float:
+        """Return how wrong ranges still may be: in the first frames the scale is not yet found."""
+        if number > self._options.every_frame_until:
+            return 1.0
+        sigma = float(self._prior.sigma[0])
+        return max(1.0, sigma / float(self._ranges.sigma_m[-1]))
+
+    def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
+        if self._options.range_to == "centre":
+            return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
+        sigma = np.hypot(ranges.sigma_m, self._options.relief_m)
+        return surface_rows(
+            where, at.points, self._tracks.live, ranges.frame, ranges.range_m, sigma
+        )
+
+    def _add(self, rows: Rows, weights: Floats) -> None:
+        kept = rows.weighted(weights)
+        self._equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
+
+    def _linearise(self) -> None:
+        """Linearise everything anew about the solution, and go on until it moves no more."""
+        at = self._at.moved(*within_reach(self._solved.shared, self._solved.points))
+        damping = 0.0
+        tumble = self._followed(at)
+        rows = self._all_rows(at, tumble)
+        for _ in range(self._options.iterations):
+            weights = [self._weights_of(each) for each in rows]
+            equations = self._summed(at, rows, weights)
+            solved, step = self._step(equations, damping)
+            if equations.square(*step) < SETTLED:
+                break
+            next_at = at.moved(*step)
+            next_tumble = self._followed(next_at)
+            next_rows = self._all_rows(next_at, next_tumble)
+            if self._cost(next_at, next_rows, weights) <= self._cost(at, rows, weights):
+                at, tumble, rows = next_at, next_tumble, next_rows
+                damping = 0.1 * damping if damping > 1e-6 else 0.0
+            else:
+                damping = max(1e-4, 10.0 * damping)
+        weights = [self._weights_of(each) for each in rows]
+        self._at, self._tumble = at, tumble
+        self._equations = self._summed(at, rows, weights)
+        self._solved = self._equations.solve()
+        self._linearised_at = len(self._known_epochs.times_s)
+        self._give_up(weights[0])
+        self._freeze(rows, weights)
+
+    def _step(
+        self, equations: ArrowEquations, damping: float
+    ) -> tuple[Solved, tuple[Floats, Floats]]:
+        solved = (equations.damped(damping) if damping else equations).solve()
+        return solved, within_reach(solved.shared, solved.points)
+
+    def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, Rows]:
+        """Return the rows of all that is not frozen: of sightings, and of ranges."""
+        where = placed(at, tumble, self._known_epochs)
+        own = self._sightings
+        seen = sighting_rows(where, at.points, own.frame, own.who, own.seen, own.sigma)
+        if not len(self._ranges) or not len(at.points):
+            nothing = np.zeros((0, 1, 3))
+            return seen, Rows(
+                np.zeros((0, 1, SHARED)), nothing, np.zeros((0, 1)), np.zeros(0, dtype=np.int64)
+            )
+        return seen, self._range_rows(where, self._ranges, at)
+
+    def _weights_of(self, rows: Rows) -> Floats:
+        sizes = rows.sizes
+        spread = robust_weights.spread(sizes, rows.error.shape[1])
+        return robust_weights.weights(sizes, self._options.gate_sigmas * spread)
+
+    def _summed(
+        self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]
+    ) -> ArrowEquations:
+        equations = self._prior.equations(at)
+        if self._frozen is not None:
+            old, there = self._frozen
+            equations = equations.plus(
+                old.moved(at.shared - there.shared, at.points - there.points)
+            )
+        for each, own in zip(rows, weights, strict=True):
+            kept = each.weighted(own)
+            equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
+        return equations
+
+    def _cost(self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]) -> float:
+        cost = self._prior.cost(at)
+        if self._frozen is not None:
+            old, there = self._frozen
+            away = at.shared - there.shared, at.points - there.points
+            cost += old.square(*away) - 2.0 * float(old.a @ away[0] + np.sum(old.d * away[1]))
+        for each, own in zip(rows, weights, strict=True):
+            counted = own > 0.0
+            cost += float(own[counted] @ np.sum(each.error[counted] ** 2, axis=1))
+        return cost if np.isfinite(cost) else np.inf
+
+    def _give_up(self, weights: Floats) -> None:
+        """Let go of points of which too much is refused: their tracks were of two points."""
+        who, points = self._sightings.who, len(self._at.points)
+        seen = np.bincount(who, minlength=points)
+        refused = np.bincount(who[weights < REFUSED], minlength=points)
+        bad = (seen >= FEW) & (refused > self._options.bad_share * seen) & self._tracks.live
+        if bad.any():
+            self._tracks.give_up(np.flatnonzero(bad))
+            self._sightings = self._sightings.take(~bad[who])
+
+    def _freeze(self, rows: tuple[Rows, Rows], weights: list[Floats]) -> None:
+        """Keep the older half as it was linearised, once there is too much."""
+        if len(self._sightings) <= self._options.most_observations or len(weights[0]) != len(
+            self._sightings
+        ):
+            return
+        middle = int(np.median(self._sightings.frame))
+        old = ArrowEquations.empty(SHARED, len(self._at.points))
+        if self._frozen is not None:
+            before, there = self._frozen
+            old = before.moved(self._at.shared - there.shared, self._at.points - there.points)
+        for each, own, frame in zip(
+            rows, weights, (self._sightings.frame, self._ranges.frame), strict=True
+        ):
+            kept = each.weighted(np.where(frame < middle, own, 0.0))
+            old.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
+        self._frozen = old, self._at
+        self._sightings = self._sightings.take(self._sightings.frame >= middle)
+        self._ranges = self._ranges.take(self._ranges.frame >= middle)

@@ -1,0 +1,38 @@
+"""How much a measurement counts that is far from where it was predicted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.arrays import Floats
+
+# Median length of a Gaussian vector of so many numbers, sigma 1.
+MEDIANS = {1: 0.6745, 2: 1.1774}
+
+
+def spread(sizes: Floats, numbers: int) -> float:
+    """Return how many sigmas errors really have, at least 1: while all is wrong, none is false.
+
+    Parameters
+    ----------
+    sizes : (m,) array
+        Lengths of errors in sigmas; infinite ones do not count.
+    numbers : int
+        That each length is of.
+    """
+    finite = sizes[np.isfinite(sizes)]
+    if finite.size == 0:
+        return 1.0
+    return max(1.0, float(np.median(finite)) / MEDIANS[numbers])
+
+
+def weights(sizes: Floats, gate: float) -> Floats:
+    """Return (m,) weights: 1 within the gate, beyond it falling with the fourth power.
+
+    Parameters
+    ----------
+    sizes : (m,) array
+        Lengths of errors in sigmas; an infinite one has no weight.
+    gate : float
+    """
+    return np.asarray((gate / np.maximum(sizes, gate)) ** 4, dtype=np.float64)
