@@ -24,13 +24,17 @@ class UnscentedOptions:
         measurement in every frame.
     sigma_attitude : float
         1 sigma of each number of the first quaternion, which the choice of axes makes exact.
+    sigma_beside_m, sigma_depth_m : float
+        1 sigma of the first guess of a point, across and along the boresight.
     """
 
-    alpha: float = 0.1
+    alpha: float = 0.3
     beta: float = 2.0
     kappa: float = 0.0
-    sigma_constraint_m: float = 1e-3
+    sigma_constraint_m: float = 0.2
     sigma_attitude: float = 1e-4
+    sigma_beside_m: float = 0.3
+    sigma_depth_m: float = 2.0
 
 
 @dataclass(frozen=True)
