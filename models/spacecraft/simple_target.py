@@ -27,6 +27,15 @@ def points_in_target() -> Floats:
     return np.concatenate([0.5 * BOX_M * _SIGNS, tips])
 
 
+def points_on_box(count: int) -> Floats:
+    """Return points spread over the box's faces, (count, 3), m, the same every time."""
+    draw = np.random.default_rng(count)
+    points = draw.uniform(-0.5, 0.5, (count, 3))
+    axis = draw.integers(0, 3, count)
+    points[np.arange(count), axis] = draw.choice([-0.5, 0.5], count)
+    return np.asarray(points * BOX_M)
+
+
 def inertia_kg_m2() -> Floats:
     """Return the inertia about the centre of mass, (3, 3), kg m2: of uniform boxes."""
     place = np.array([0.0, 0.5 * (BOX_M[1] + PANEL_M[1]), 0.0])

@@ -179,6 +179,15 @@ class Solved:
         spread = self._lever.transpose(0, 2, 1) @ self.covariance @ self._lever
         return np.asarray(self._inverse + spread)
 
-    def cross_covariances(self) -> Floats:
-        """Return (n, g, 3): between the shared unknowns and every point."""
-        return np.asarray(-self.covariance @ self._lever)
+    def predicted_spread(self, by_shared: Floats, by_point: Floats, who: Indices) -> Floats:
+        """Return the covariance of what is predicted of points, (m, k, k).
+
+        Parameters
+        ----------
+        by_shared : (m, k, g) array
+        by_point : (m, k, 3) array
+        who : (m,) int array
+        """
+        through = by_shared - by_point @ self._lever[who].transpose(0, 2, 1)
+        alone = by_point @ self._inverse[who] @ by_point.transpose(0, 2, 1)
+        return np.asarray(through @ self.covariance @ through.transpose(0, 2, 1) + alone)

@@ -36,7 +36,7 @@ from pipelines.unknown_target.observation_rows import (
     surface_rows,
 )
 from pipelines.unknown_target.options import BatchOptions
-from pipelines.unknown_target.point_tracks import FEW, PointTracks, first_places
+from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
 from pipelines.unknown_target.sightings import Ranges, Sightings
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
@@ -88,11 +88,9 @@ class BatchEstimator:
             self._linearise()
         seen = self._camera.normalise(frame.points_px)
         sigma = frame.sigma_px / self._camera.fx
-        known, born = self._tracks.sort(number, frame.tracks, seen, sigma)
+        known = self._tracks.sort(number, frame.tracks, seen, sigma)
         self._take_sightings(known)
-        if len(born):
-            self._give_birth(born)
-            self._solved = self._equations.solve()
+        self._give_birth(number)
         self._sightings = self._sightings.followed_by(known)
         if frame.range_m is not None and frame.range_sigma_m is not None:
             self._take_range(number, frame.range_m, frame.range_sigma_m)
@@ -161,11 +159,21 @@ class BatchEstimator:
             return
         where, frame = self._placed(known.frame)
         rows = sighting_rows(where, self._at.points, frame, known.who, known.seen, known.sigma)
-        shift = self._predicted_shift(rows)
-        sizes = np.sqrt(np.sum((rows.error - shift) ** 2, axis=1))
-        sizes = np.where(np.isfinite(sizes), sizes, np.inf)
-        spread = robust_weights.spread(sizes, 2)
+        sizes = self._surprise(rows)
+        young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
+        spread = robust_weights.spread(sizes, 2) if young else 1.0
         self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+
+    def _surprise(self, rows: Rows) -> Floats:
+        """Return how many sigmas measurements are from where they were expected, (m,)."""
+        expected = self._solved.predicted_spread(rows.by_shared, rows.by_point, rows.who)
+        error = rows.error - self._predicted_shift(rows)
+        whole = np.isfinite(error).all(axis=1)
+        sizes = np.full(len(error), np.inf)
+        spread = expected[whole] + np.eye(error.shape[1])
+        solved = np.linalg.solve(spread, error[whole, :, None])[..., 0]
+        sizes[whole] = np.sqrt(np.sum(error[whole] * solved, axis=1))
+        return sizes
 
     def _bend(self, known: Sightings) -> float:
         """Return how wrong the lines are by now: the square of what the last image misses them by.
@@ -191,10 +199,37 @@ class BatchEstimator:
             + np.einsum("mki,mi->mk", rows.by_point, self._solved.points[rows.who])
         )
 
-    def _give_birth(self, born: Sightings) -> None:
+    def _give_birth(self, number: int) -> None:
+        """Make points of the tracks whose sightings agree; false ones among them are dropped."""
+        tracks, waiting = self._tracks.ripe(number)
+        if not tracks:
+            return
+        where, frame = self._placed(waiting.frame)
+        own = Sightings(frame, waiting.who, waiting.seen, waiting.sigma)
+        reach_m = self._options.birth_reach * self._prior.point_information**-0.5
+        places, first = first_places(where, own), []
+        point = np.full(len(waiting), -1)
+        for who, name in enumerate(tracks):
+            rows = np.flatnonzero(waiting.who == who)
+            rows = rows[agreeing(places[rows], reach_m)]
+            if len(rows) >= self._options.births:
+                point[rows] = self._tracks.give_birth(name)
+                first.append(np.median(places[rows], axis=0))
+        if first:
+            self._make_room(np.array(first))
+            kept = point >= 0
+            frame, who = frame[kept], point[kept]
+            seen, sigma = waiting.seen[kept], waiting.sigma[kept]
+            rows = sighting_rows(where, self._at.points, frame, who, seen, sigma)
+            sizes = rows.sizes
+            gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
+            self._add(rows, robust_weights.weights(sizes, gate))
+            born = Sightings(waiting.frame[kept], who, seen, sigma)
+            self._sightings = self._sightings.followed_by(born)
+            self._solved = self._equations.solve()
+
+    def _make_room(self, places: Floats) -> None:
         before = len(self._at.points)
-        where, frame = self._placed(born.frame)
-        places = first_places(where, Sightings(frame, born.who, born.seen, born.sigma), before)
         self._at = self._at.with_points(places)
         self._equations.grow(len(places))
         if self._frozen is not None:
@@ -203,11 +238,6 @@ class BatchEstimator:
         prior = self._prior.equations(self._at)
         self._equations.D[before:] += prior.D[before:]
         self._equations.d[before:] += prior.d[before:]
-        rows = sighting_rows(where, self._at.points, frame, born.who, born.seen, born.sigma)
-        sizes = rows.sizes
-        gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
-        self._add(rows, robust_weights.weights(sizes, gate))
-        self._sightings = self._sightings.followed_by(born)
 
     def _take_range(self, number: int, range_m: float, sigma_m: float) -> None:
         self._ranges = self._ranges.with_one(number, range_m, sigma_m)
@@ -216,25 +246,24 @@ class BatchEstimator:
         where, frame = self._placed(np.array([number]))
         one = Ranges(frame, self._ranges.range_m[-1:], self._ranges.sigma_m[-1:])
         rows = self._range_rows(where, one, self._at)
-        error = rows.error - self._predicted_shift(rows)
-        spread = self._range_spread(number)
-        sizes = np.abs(np.where(np.isfinite(error[:, 0]), error[:, 0], np.inf))
-        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
-
-    def _range_spread(self, number: int) -> float:
-        """Return how wrong ranges still may be: in the first frames the scale is not yet found."""
-        if number > self._options.every_frame_until:
-            return 1.0
-        sigma = float(self._prior.sigma[0])
-        return max(1.0, sigma / float(self._ranges.sigma_m[-1]))
+        weights = robust_weights.weights(self._surprise(rows), self._options.gate_sigmas)
+        self._add(rows, weights)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
         if self._options.range_to == "centre":
             return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
-        sigma = np.hypot(ranges.sigma_m, self._options.relief_m)
+        sigma = np.hypot(ranges.sigma_m, np.hypot(self._options.relief_m, self._hull_sigma()))
         return surface_rows(
             where, at.points, self._tracks.live, ranges.frame, ranges.range_m, sigma
         )
+
+    def _hull_sigma(self) -> float:
+        """Return how well the corners of the hull are known, m: while they are not, nor is it."""
+        spread = self._solved.point_covariances()
+        if len(spread) < len(self._at.points):
+            return self._prior.point_information**-0.5
+        own = np.trace(spread[self._tracks.live], axis1=1, axis2=2)
+        return float(np.sqrt(np.mean(own))) if len(own) else 0.0
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)

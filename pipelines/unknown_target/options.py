@@ -48,7 +48,9 @@ class BatchOptions:
     relief_m : float, m
         1 sigma by which the surface lies off the hull of the points.
     births : int
-        Observations from which on a track is a point.
+        Sightings of a track that must agree before it is a point.
+    birth_reach : float
+        How far apart they may lie on the target, as a share of the size of what is thought of it.
     gate_sigmas : float
         Beyond it an observation counts less and less.
     every_frame_until : int
@@ -72,7 +74,8 @@ class BatchOptions:
 
     range_to: RangeTo = "surface"
     relief_m: float = 0.01
-    births: int = 2
+    births: int = 3
+    birth_reach: float = 0.1
     gate_sigmas: float = 3.5
     every_frame_until: int = 12
     growth: float = 1.6

@@ -9,6 +9,7 @@ from pipelines.unknown_target.observation_rows import Placed
 from pipelines.unknown_target.sightings import Sightings
 
 FEW = 8  # observations, below which no point is judged
+MOST_WAITING = 12  # sightings of a track that is no point yet; older ones are forgotten
 
 
 class PointTracks:
@@ -17,7 +18,7 @@ class PointTracks:
     Parameters
     ----------
     births : int
-        Observations from which on a track is a point.
+        Sightings that must agree before a track is a point.
     """
 
     def __init__(self, births: int) -> None:
@@ -33,10 +34,8 @@ class PointTracks:
         live[list(self._place.values())] = True
         return live
 
-    def sort(
-        self, frame: int, tracks: Indices, seen: Floats, sigma: Floats
-    ) -> tuple[Sightings, Sightings]:
-        """Tell the points among the tracks of a frame.
+    def sort(self, frame: int, tracks: Indices, seen: Floats, sigma: Floats) -> Sightings:
+        """Return the sightings of points; those of other tracks wait.
 
         Parameters
         ----------
@@ -46,29 +45,36 @@ class PointTracks:
         seen : (m, 2) array
             Undistorted, in units of the focal length.
         sigma : (m,) array
-
-        Returns
-        -------
-        known : Sightings
-            Of points that were there before.
-        born : Sightings
-            Of new points, with all that was seen of them since they were tracks.
         """
         names = tracks.tolist()
         known = np.array([name in self._place for name in names], dtype=bool)
-        places = [self._place[name] for name in names if name in self._place]
-        old = Sightings.of([frame] * len(places), places, seen[known], sigma[known])
-        rows: list[tuple[int, int, Floats, float]] = []
         for place in np.flatnonzero(~known):
-            name = names[place]
-            waiting = self._waiting.setdefault(name, [])
+            waiting = self._waiting.setdefault(names[place], [])
             waiting.append((frame, seen[place], float(sigma[place])))
-            if len(waiting) >= self._births:
-                self._place[name] = len(self.names)
-                self.names.append(name)
-                rows += [(when, self._place[name], *what) for when, *what in self._waiting.pop(name)]
-        columns = list(zip(*rows, strict=True)) or [(), (), (), ()]
-        return old, Sightings.of(*columns)
+            del waiting[:-MOST_WAITING]
+        places = [self._place[name] for name in names if name in self._place]
+        return Sightings.of([frame] * len(places), places, seen[known], sigma[known])
+
+    def ripe(self, frame: int) -> tuple[list[int], Sightings]:
+        """Return tracks that were seen often enough, lately in a frame, with all of theirs.
+
+        ``who`` of the sightings counts in the tracks returned.
+        """
+        tracks = [
+            name
+            for name, waiting in self._waiting.items()
+            if waiting[-1][0] == frame and len(waiting) >= self._births
+        ]
+        rows = [(when, who, *what) for who, name in enumerate(tracks)
+                for when, *what in self._waiting[name]]  # fmt: skip
+        return tracks, Sightings.of(*(list(zip(*rows, strict=True)) or [(), (), (), ()]))
+
+    def give_birth(self, name: int) -> int:
+        """Make a track a point; return its place."""
+        del self._waiting[name]
+        self._place[name] = len(self.names)
+        self.names.append(name)
+        return self._place[name]
 
     def give_up(self, points: Indices) -> None:
         """Let the tracks of some points begin anew, as others.
@@ -81,26 +87,30 @@ class PointTracks:
         self._place = {name: place for name, place in self._place.items() if place not in gone}
 
 
-def first_places(where: Placed, born: Sightings, points: int) -> Floats:
-    """Return where new points are thought to be, (k, 3) m: as far as the centre of mass.
-
-    The median of what each image says by itself stands a false one among them.
+def first_places(where: Placed, seen: Sightings) -> Floats:
+    """Return where each sighting has its point, (m, 3) m: as far as the centre of mass.
 
     Parameters
     ----------
     where : Placed
-    born : Sightings
+    seen : Sightings
         ``frame`` counts in ``where``.
-    points : int
-        How many there were before: theirs are the places up to here.
     """
-    depth = where.t_cam_from_target[born.frame, 2]
-    in_cam = np.column_stack([born.seen * depth[:, None], depth])
-    own = np.einsum(
-        "mji,mj->mi",
-        where.R_cam_from_target[born.frame],
-        in_cam - where.t_cam_from_target[born.frame],
-    )
-    return np.array(
-        [np.median(own[born.who == place], axis=0) for place in range(points, born.who.max() + 1)]
-    )
+    depth = where.t_cam_from_target[seen.frame, 2]
+    in_cam = np.column_stack([seen.seen * depth[:, None], depth])
+    away = in_cam - where.t_cam_from_target[seen.frame]
+    return np.einsum("mji,mj->mi", where.R_cam_from_target[seen.frame], away)
+
+
+def agreeing(places: Floats, reach_m: float) -> Mask:
+    """Return which of some (m, 3) places lie where most of them do, (m,).
+
+    Parameters
+    ----------
+    places : (m, 3) array, m
+        Of one track, sighting by sighting.
+    reach_m : float, m
+    """
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2)
+    near = apart < reach_m
+    return np.asarray(near[near.sum(axis=1).argmax()])
