@@ -35,7 +35,7 @@ class SigmaPoints:
 
     @property
     def reach(self) -> float:
-        """n + lambda: the square of how many sigmas the points are away."""
+        """The square of how many sigmas the points are away: n + lambda."""
         return self.alpha**2 * (self.size + self.kappa)
 
     @property

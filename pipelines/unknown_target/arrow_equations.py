@@ -145,7 +145,7 @@ class ArrowEquations:
         numpy.linalg.LinAlgError
             If something is not determined at all.
         """
-        inverse = np.linalg.inv(self.D)
+        inverse = np.asarray(np.linalg.inv(self.D), dtype=np.float64)
         lever = self.B @ inverse
         reduced = self.A - np.einsum("ngk,nhk->gh", lever, self.B)
         scale = 1.0 / np.sqrt(np.diag(self.A))

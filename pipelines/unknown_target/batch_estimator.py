@@ -23,7 +23,7 @@ from models.camera import Camera
 from models.motion.clohessy_wiltshire import state_transition
 from models.motion.gravity_gradient_rotation import lvlh_from_first
 from pipelines.unknown_target import robust_weights
-from pipelines.unknown_target.arrow_equations import ArrowEquations, Solved
+from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.observation_rows import (
@@ -208,23 +208,23 @@ class BatchEstimator:
         own = Sightings(frame, waiting.who, waiting.seen, waiting.sigma)
         reach_m = self._options.birth_reach * self._prior.point_information**-0.5
         places, first = first_places(where, own), []
-        point = np.full(len(waiting), -1)
-        for who, name in enumerate(tracks):
-            rows = np.flatnonzero(waiting.who == who)
-            rows = rows[agreeing(places[rows], reach_m)]
-            if len(rows) >= self._options.births:
-                point[rows] = self._tracks.give_birth(name)
-                first.append(np.median(places[rows], axis=0))
+        point = np.full(len(waiting), -1, dtype=np.int64)
+        for place, name in enumerate(tracks):
+            of_track = np.flatnonzero(waiting.who == place)
+            of_track = of_track[agreeing(places[of_track], reach_m)]
+            if len(of_track) >= self._options.births:
+                point[of_track] = self._tracks.give_birth(name)
+                first.append(np.median(places[of_track], axis=0))
         if first:
             self._make_room(np.array(first))
             kept = point >= 0
-            frame, who = frame[kept], point[kept]
-            seen, sigma = waiting.seen[kept], waiting.sigma[kept]
-            rows = sighting_rows(where, self._at.points, frame, who, seen, sigma)
+            born = Sightings(waiting.frame, point, waiting.seen, waiting.sigma).take(kept)
+            rows = sighting_rows(
+                where, self._at.points, frame[kept], born.who, born.seen, born.sigma
+            )
             sizes = rows.sizes
             gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
             self._add(rows, robust_weights.weights(sizes, gate))
-            born = Sightings(waiting.frame[kept], who, seen, sigma)
             self._sightings = self._sightings.followed_by(born)
             self._solved = self._equations.solve()
 
@@ -278,7 +278,7 @@ class BatchEstimator:
         for _ in range(self._options.iterations):
             weights = [self._weights_of(each) for each in rows]
             equations = self._summed(at, rows, weights)
-            solved, step = self._step(equations, damping)
+            step = self._step(equations, damping)
             if equations.square(*step) < SETTLED:
                 break
             next_at = at.moved(*step)
@@ -297,11 +297,9 @@ class BatchEstimator:
         self._give_up(weights[0])
         self._freeze(rows, weights)
 
-    def _step(
-        self, equations: ArrowEquations, damping: float
-    ) -> tuple[Solved, tuple[Floats, Floats]]:
+    def _step(self, equations: ArrowEquations, damping: float) -> tuple[Floats, Floats]:
         solved = (equations.damped(damping) if damping else equations).solve()
-        return solved, within_reach(solved.shared, solved.points)
+        return within_reach(solved.shared, solved.points)
 
     def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, Rows]:
         """Return the rows of all that is not frozen: of sightings, and of ranges."""

@@ -56,7 +56,7 @@ class BatchSolution:
 
     @cached_property
     def motion(self) -> Floats:
-        """(9,) array: rho and its rate (m, m/s, local frame) and the inertial rate (rad/s, body)."""
+        """(9,) array: rho, its rate (m, m/s, local frame), inertial rate (rad/s, body)."""
         return np.concatenate([self.placed.state[0], self.placed.omega[0]])
 
     @cached_property

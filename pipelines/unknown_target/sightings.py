@@ -48,8 +48,9 @@ class Sightings:
 
         Parameters
         ----------
-        frame, who, seen, sigma
-            As the attributes, one entry a sighting.
+        frame, who : iterable of int
+        seen : iterable of (2,) arrays
+        sigma : iterable of float
         """
         return cls(
             np.array(list(frame), dtype=np.int64),

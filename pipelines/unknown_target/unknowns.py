@@ -95,7 +95,7 @@ class Prior:
 
 
 def within_reach(shared: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Return a step, shortened to where its direction still means something.
+    """Return a step, (14,) and (n, 3), shortened to where its direction still means something.
 
     Parameters
     ----------

@@ -22,11 +22,14 @@ RangeTo: TypeAlias = Literal["centre", "surface", "none"]
 CAMERA = "chaser_fixed"
 RADIAL_M, NORMAL_M, PHASE_RAD = 15.0, 20.0, 0.3
 PAPER_TUMBLE: Row3 = (0.3, 0.2, 0.5)
-MOTIONS: dict[str, tuple[str, Row3]] = {
-    "tumble": ("tumble", (0.5, 0.4, 0.75)),
-    "flip": ("about the intermediate axis", (0.02, 0.02, 1.0)),
-    "spin": ("about a principal axis", (1.0, 0.0, 0.0)),
-    "still": ("no spin", (0.0, 0.0, 0.0)),
+LOW_KM, HIGH_KM = 7000.0, 42164.0
+TUMBLE: Row3 = (0.5, 0.4, 0.75)
+MOTIONS: dict[str, tuple[str, Row3, float]] = {
+    "tumble": ("tumble", TUMBLE, LOW_KM),
+    "flip": ("about the intermediate axis", (0.02, 0.02, 1.0), LOW_KM),
+    "spin": ("about a principal axis", (1.0, 0.0, 0.0), LOW_KM),
+    "still": ("no spin", (0.0, 0.0, 0.0), LOW_KM),
+    "spin_high": ("about a principal axis, in GEO", (1.0, 0.0, 0.0), HIGH_KM),
 }
 
 
@@ -54,6 +57,8 @@ class Case:
         Whether the target hides points behind it; the paper sees through.
     points : int
         The paper's twelve, or so many on the box.
+    semi_major_axis_km : float, km
+        Of the target's orbit: in a high one the gravity gradient does not help.
     """
 
     key: str
@@ -69,6 +74,12 @@ class Case:
     hidden_s: tuple[float, float] = (0.0, 0.0)
     own_shadow: bool = False
     points: int = 12
+    semi_major_axis_km: float = LOW_KM
+
+    @property
+    def orbit_rate(self) -> float:
+        """Mean motion of the target's circular orbit, rad/s."""
+        return mean_motion(1e3 * self.semi_major_axis_km)
 
     @property
     def frames(self) -> int:
@@ -78,7 +89,7 @@ class Case:
     @property
     def times_s(self) -> Floats:
         """(frames,) array, s."""
-        return self.step_s * np.arange(self.frames)
+        return np.asarray(self.step_s * np.arange(self.frames), dtype=np.float64)
 
     @property
     def points_in_target(self) -> Floats:
@@ -97,36 +108,26 @@ def published() -> dict[str, Any]:
     return tomllib.loads((REFERENCE / "volpe2017.toml").read_text())
 
 
-def semi_major_axis_m() -> float:
-    """Return the target's orbit's, m."""
-    return 1e3 * float(published()["paper"]["semi_major_axis_km"])
-
-
-def orbit_rate() -> float:
-    """Return the mean motion of that orbit, rad/s."""
-    return mean_motion(semi_major_axis_m())
-
-
 def paper_case(duration_s: float | None = None) -> Case:
     """Return the paper's own case: one orbit, or another duration in s."""
-    whole_s = 2.0 * np.pi / orbit_rate()
-    return Case(
-        "paper", "one orbit", duration_s=duration_s or whole_s, step_s=5.0, rounded=True
-    )
+    own = Case("paper", "one orbit", step_s=5.0, rounded=True)
+    return replace(own, duration_s=duration_s or 2.0 * float(np.pi) / own.orbit_rate)
 
 
 def observability_cases(duration_s: float) -> list[Case]:
     """Return each motion with and without a range, for a duration in s."""
     return [
-        Case(f"{key}_{range_to}", name, omega, duration_s, range_to=range_to)
-        for key, (name, omega) in MOTIONS.items()
+        Case(
+            f"{key}_{range_to}", name, omega, duration_s, range_to=range_to, semi_major_axis_km=high
+        )
+        for key, (name, omega, high) in MOTIONS.items()
         for range_to in ("centre", "none")
-    ]  # fmt: skip
+    ]
 
 
 def track_cases(duration_s: float) -> list[Case]:
     """Return the cases of imperfect tracks, for a duration in s."""
-    plain = Case("clean", "all seen, all right", MOTIONS["tumble"][1], duration_s)
+    plain = Case("clean", "all seen, all right", TUMBLE, duration_s)
     half = 0.5 * duration_s
     wrong = RangeFinder(outlier_share=0.1, drop_out_share=0.2, rate_hz=0.5)
     return [
@@ -157,30 +158,23 @@ def speed_case(points: int, duration_s: float) -> Case:
     points : int
     duration_s : float, s
     """
-    omega = MOTIONS["tumble"][1]
-    return Case(f"points_{points}", f"{points} points", omega, duration_s, points=points)
+    return Case(f"points_{points}", f"{points} points", TUMBLE, duration_s, points=points)
 
 
 @cache
-def motion_of(omega_deg_s: Row3, duration_s: float) -> WatchedTumble:
-    """Return the true motion; one is made per process, rate and duration.
-
-    Parameters
-    ----------
-    omega_deg_s : tuple of 3 floats, deg/s
-    duration_s : float, s
-    """
+def motion_of(case: Case) -> WatchedTumble:
+    """Return the true motion of a case; made once a process."""
     return WatchedTumble(
-        semi_major_axis_m(),
-        state_on_inclined_ellipse(orbit_rate(), RADIAL_M, NORMAL_M, PHASE_RAD),
-        np.deg2rad(omega_deg_s),
+        1e3 * case.semi_major_axis_km,
+        state_on_inclined_ellipse(case.orbit_rate, RADIAL_M, NORMAL_M, PHASE_RAD),
+        np.deg2rad(case.omega_deg_s),
         inertia_kg_m2(),
-        duration_s,
+        float(case.times_s[-1]),
     )
 
 
 @cache
 def states_of(case: Case) -> tuple[WatchedState, ...]:
     """Return the true states of a case's frames; made once a process."""
-    motion = motion_of(case.omega_deg_s, float(case.times_s[-1]))
+    motion = motion_of(case)
     return tuple(motion.state(float(time_s)) for time_s in case.times_s)

@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from bench.suites.volpe2017.cases import CAMERA, Case, orbit_rate, states_of
+from bench.suites.volpe2017.cases import CAMERA, Case, states_of
 from models.arrays import Floats, Mask
 from models.camera import Camera, camera_preset
 from models.motion.watched_tumble import WatchedState, WatchedTumble
@@ -138,8 +138,3 @@ def _eye(state: WatchedState) -> Floats:
     """Return where the camera is in target axes, (3,) m."""
     pose = state.cam_from_target
     return np.asarray(-pose.rotation.T @ pose.translation)
-
-
-def told_orbit_rate() -> float:
-    """Return the mean motion as the chaser knows it, rad/s: exactly, as in the paper."""
-    return orbit_rate()
