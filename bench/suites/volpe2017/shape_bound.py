@@ -2,8 +2,9 @@
 
 **Idea.** Nothing disturbs the motion, so that the state at any time is a function of fixed
 unknowns: first place, rates, five ratios of the inertia, and the points. What all images and ranges
-so far tell of them, with what was known before, is the posterior Cramer-Rao bound (Tichavsky, Muravchik
-and Nehorai 1998, without process noise); it is carried to the time by the motion's derivatives.
+so far tell of them, with what was known before, is the posterior Cramer-Rao bound (Tichavsky,
+Muravchik and Nehorai 1998, without process noise); it is carried to the time by the motion's
+derivatives.
 
 **Gauge.** The body's axes are the first camera's: no attitude is unknown at the start. The inertia
 has trace 1. Without a range the geometric scale is known as well as before, no better.
