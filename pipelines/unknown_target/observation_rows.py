@@ -271,7 +271,8 @@ def _entry(points: Floats, eye: Floats, beam: Floats) -> tuple[Floats, Indices |
     leaves = np.where(slope > FACING, crossing, np.inf)
     first = enters.argmax(axis=1)
     met = enters[np.arange(len(eye)), first]
-    hit = np.isfinite(met) & (met > 0.0) & (met < leaves.min(axis=1))
+    beside = ((np.abs(slope) <= FACING) & (height > 0.0)).any(axis=1)
+    hit = np.isfinite(met) & (met > 0.0) & (met < leaves.min(axis=1)) & ~beside
     return np.where(hit, met, np.nan), hull.simplices[first].astype(np.int64)
 
 
