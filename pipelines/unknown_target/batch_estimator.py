@@ -247,7 +247,7 @@ class BatchEstimator:
         one = Ranges(frame, self._ranges.range_m[-1:], self._ranges.sigma_m[-1:])
         rows = self._range_rows(where, one, self._at)
         weights = robust_weights.weights(self._surprise(rows), self._options.gate_sigmas)
-        self._add(rows, weights)
+        self._add(rows, weights / self._alike)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
         if self._options.range_to == "centre":
@@ -270,17 +270,25 @@ class BatchEstimator:
         self._equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
 
     def _linearise(self) -> None:
-        """Linearise everything anew about the solution, and go on until it moves no more."""
+        """Linearise everything anew about the solution, and go on until it moves no more.
+
+        While all is wrong the gates are as wide as errors are; then they close, so that what agrees
+        with most is kept and the rest is left out (graduated non-convexity; Blake and Zisserman,
+        Visual Reconstruction, 1987).
+        """
         at = self._at.moved(*within_reach(self._solved.shared, self._solved.points))
-        damping = 0.0
+        damping, opened = 0.0, np.inf
         tumble = self._followed(at)
         rows = self._all_rows(at, tumble)
         for _ in range(self._options.iterations):
-            weights = [self._weights_of(each) for each in rows]
+            weights = self._weights_of(rows, opened)
             equations = self._summed(at, rows, weights)
             step = self._step(equations, damping)
             if equations.square(*step) < SETTLED:
-                break
+                if opened == 1.0:
+                    break
+                opened = max(1.0, 0.5 * min(opened, self._widest(rows)))
+                continue
             next_at = at.moved(*step)
             next_tumble = self._followed(next_at)
             next_rows = self._all_rows(next_at, next_tumble)
@@ -289,7 +297,7 @@ class BatchEstimator:
                 damping = 0.1 * damping if damping > 1e-6 else 0.0
             else:
                 damping = max(1e-4, 10.0 * damping)
-        weights = [self._weights_of(each) for each in rows]
+        weights = self._weights_of(rows, opened)
         self._at, self._tumble = at, tumble
         self._equations = self._summed(at, rows, weights)
         self._solved = self._equations.solve()
@@ -313,10 +321,23 @@ class BatchEstimator:
             )
         return seen, self._range_rows(where, self._ranges, at)
 
-    def _weights_of(self, rows: Rows) -> Floats:
-        sizes = rows.sizes
-        spread = robust_weights.spread(sizes, rows.error.shape[1])
-        return robust_weights.weights(sizes, self._options.gate_sigmas * spread)
+    def _widest(self, rows: tuple[Rows, Rows]) -> float:
+        return max(robust_weights.spread(each.sizes, each.error.shape[1]) for each in rows)
+
+    def _weights_of(self, rows: tuple[Rows, Rows], opened: float) -> list[Floats]:
+        """Return the weights of sightings and of ranges; gates are no wider than ``opened``."""
+        seen, ranged = (
+            robust_weights.of_most(
+                each.sizes, each.error.shape[1], self._options.gate_sigmas, opened
+            )
+            for each in rows
+        )
+        return [seen, ranged / self._alike]
+
+    @property
+    def _alike(self) -> float:
+        """How many ranges are worth one: those to a surface err alike as long as they meet it."""
+        return self._options.relief_frames if self._options.range_to == "surface" else 1.0
 
     def _summed(
         self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]

@@ -47,6 +47,8 @@ class BatchOptions:
         What a range is taken to be to: ``surface``, or the ``centre`` of mass as in the paper.
     relief_m : float, m
         1 sigma by which the surface lies off the hull of the points.
+    relief_frames : float
+        So many ranges in a row err alike by that: together they count as one.
     births : int
         Sightings of a track that must agree before it is a point.
     birth_reach : float
@@ -74,13 +76,14 @@ class BatchOptions:
 
     range_to: RangeTo = "surface"
     relief_m: float = 0.01
+    relief_frames: float = 10.0
     births: int = 3
     birth_reach: float = 0.1
     gate_sigmas: float = 3.5
     every_frame_until: int = 12
     growth: float = 1.6
     bend: float = 1.0
-    iterations: int = 12
+    iterations: int = 20
     most_observations: int = 40_000
     bad_share: float = 0.6
     inertia_sigma: float = 0.5

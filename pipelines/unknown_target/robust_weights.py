@@ -6,6 +6,7 @@ import numpy as np
 
 from models.arrays import Floats
 
+MOST = 0.5  # of measurements, which must agree to be believed against the rest
 # Median length of a Gaussian vector of so many numbers, sigma 1.
 MEDIANS = {1: 0.6745, 2: 1.1774}
 
@@ -36,3 +37,25 @@ def weights(sizes: Floats, gate: float) -> Floats:
     gate : float
     """
     return np.asarray((gate / np.maximum(sizes, gate)) ** 4, dtype=np.float64)
+
+
+def of_most(sizes: Floats, numbers: int, gate: float, opened: float) -> Floats:
+    """Return (m,) weights by gates as wide as errors are, but no wider than ``opened``.
+
+    Where less than half would pass, gates stay as wide as errors are, and all counts for less.
+
+    Parameters
+    ----------
+    sizes : (m,) array
+        Lengths of errors in sigmas.
+    numbers : int
+        That each length is of.
+    gate : float
+    opened : float
+        In units of the gate.
+    """
+    wide = spread(sizes, numbers)
+    narrow = min(wide, opened)
+    if not len(sizes) or np.mean(sizes < gate * narrow) > MOST:
+        return weights(sizes, gate * narrow)
+    return weights(sizes, gate * wide) / wide**2

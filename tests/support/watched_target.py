@@ -36,4 +36,3 @@ def shape_error_m(solution, own: Case) -> float:
     names = [solution.names[place] for place in live]
     away = solution.unknowns.points[live] - own.points_in_target[names]
     return float(np.sqrt(np.mean(np.sum(away**2, axis=1))))
-

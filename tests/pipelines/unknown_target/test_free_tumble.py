@@ -1,4 +1,4 @@
-"""The pipeline's own dynamics against the simulation's, and their derivatives against differences."""
+"""The pipeline's dynamics against the simulation's, and their derivatives against differences."""
 
 import numpy as np
 import pytest

@@ -57,7 +57,7 @@ def test_predictions_are_what_is_seen():
     found = predictions(at)
     for place, (frame, who) in enumerate(zip(FRAME, WHO, strict=True)):
         point = STATES[frame].cam_from_target @ points_in_target()[who]
-        px = found[2 * place : 2 * place + 2] * camera.fx + [camera.cx, camera.cy]
+        px = found[2 * place : 2 * place + 2] * camera.fx + np.array([camera.cx, camera.cy])
         np.testing.assert_allclose(px, camera.project(point), atol=1e-4)
         assert found[6 + place] == pytest.approx(np.linalg.norm(STATES[frame].rho_in_lvlh))
 
@@ -119,7 +119,7 @@ def test_a_surface_range_is_to_the_face_that_the_beam_meets():
 
 def test_a_beam_that_misses_tells_nothing():
     at = true_unknowns(SHORT)
-    far = at.points + [5.0, 0.0, 0.0]
+    far = at.points + np.array([5.0, 0.0, 0.0])
     rows = surface_rows(where(at), far, np.ones(12, dtype=bool), FRAME, 20.0 * ONE, ONE)
     assert not np.isfinite(rows.sizes[0])
     flat = np.zeros(12, dtype=bool)
