@@ -22,6 +22,7 @@ from models.motion.boresight_pointing import HILL_FROM_LVLH
 
 AXIS_COLOURS = ("#1763a6", "#b3261e", "#3a8f4d", "#d1781d", "#8d4aa8", "#5b7083")
 SHOWN = tuple(reversed(VARIANTS))
+LOWEST_SHARE = 0.1  # of the bound: an attitude is exact in the first frame, by choice of axes
 LINEAR_SHARE = 3.0  # of the late errors' median: within it a panel's axis is linear
 BOUNDED = (
     ("position_m", "relative position, m"), ("velocity_m_s", "relative velocity, m/s"),
@@ -162,6 +163,7 @@ def bound_figure(outcomes: Outcomes) -> str:
             least = bound[:, shape_bound.COLUMNS.index(name)]
             panel.plot(case.times_s, least, color=INK, lw=0.9, ls="--", label="bound")
             panel.set_yscale("log")
+            panel.set_ylim(bottom=LOWEST_SHARE * float(least[len(least) // 10 :].min()))
             panel.set_ylabel(what)
             panel.set_title(what.split(",")[0])
         for panel in axes[-1]:

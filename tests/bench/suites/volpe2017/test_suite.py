@@ -3,6 +3,7 @@
 import io
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from bench.suites.volpe2017.suite import plan_of, run_plan
 from bench.suites.volpe2017.summaries import Runs, against_bound, improvements, went_astray
 from models.errors import ScenarioError
 
-SIZES = Sizes(runs=2, paper_runs=1, seeds=1, duration_s=60.0, study_s=20.0, speed_s=10.0)
+SIZES = Sizes(runs=2, paper_runs=1, seeds=1, duration_s=60.0, study_s=10.0, speed_s=6.0)
 PLAN = Plan(SIZES)
 QUIET = Console(file=io.StringIO())
 
@@ -38,13 +39,13 @@ def document(out):
 def test_after_a_stop_it_writes_the_same(done, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(done, out)
-    units = PLAN.units()
-    gone = units[::5]
+    part = replace(PLAN, parts=("paper",))
+    gone = part.units()[1:]
     before = {unit.name: outcome_path(done / "units", unit).read_bytes() for unit in gone}
     for unit in gone:
         outcome_path(out / "units", unit).unlink()
-    run_plan(PLAN, out, 2, QUIET)
-    assert document(out) == document(done)
+    run_plan(part, out, 2, QUIET)
+    assert document(out)["parts"]["paper"] == document(done)["parts"]["paper"]
     for unit in gone:
         assert outcome_path(out / "units", unit).read_bytes() == before[unit.name]
 
