@@ -25,6 +25,7 @@ from models.motion.gravity_gradient_rotation import lvlh_from_first
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
+from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.observation_rows import (
     Epochs,
@@ -36,6 +37,7 @@ from pipelines.unknown_target.observation_rows import (
     surface_rows,
 )
 from pipelines.unknown_target.options import BatchOptions
+from pipelines.unknown_target.other_starts import flat, mirrored
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
 from pipelines.unknown_target.sightings import Ranges, Sightings
 from pipelines.unknown_target.start_guess import StartGuess
@@ -51,6 +53,7 @@ from pipelines.unknown_target.unknowns import (
 
 AHEAD_S = 30.0  # the tumble is followed at least so far beyond the last frame
 SETTLED = 0.01  # square of a step in sigmas, below which it is none
+MISFIT = 1.6  # sigmas of most sightings, above which they are not explained; of a third false: 1.4
 REFUSED = 0.1  # weight below which an observation is refused
 
 
@@ -79,6 +82,7 @@ class BatchEstimator:
         self._frozen: tuple[ArrowEquations, Unknowns] | None = None
         self._epochs: Epochs | None = None
         self._start_s, self._linearised_at = 0.0, 0
+        self._looked_at = options.every_frame_until
 
     def add(self, frame: TrackedFrame) -> None:
         """Take in a frame; its time is after those of all before."""
@@ -159,21 +163,10 @@ class BatchEstimator:
             return
         where, frame = self._placed(known.frame)
         rows = sighting_rows(where, self._at.points, frame, known.who, known.seen, known.sigma)
-        sizes = self._surprise(rows)
+        sizes = surprise(rows, self._solved)
         young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
         spread = robust_weights.spread(sizes, 2) if young else 1.0
         self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
-
-    def _surprise(self, rows: Rows) -> Floats:
-        """Return how many sigmas measurements are from where they were expected, (m,)."""
-        expected = self._solved.predicted_spread(rows.by_shared, rows.by_point, rows.who)
-        error = rows.error - self._predicted_shift(rows)
-        whole = np.isfinite(error).all(axis=1)
-        sizes = np.full(len(error), np.inf)
-        spread = expected[whole] + np.eye(error.shape[1])
-        solved = np.linalg.solve(spread, error[whole, :, None])[..., 0]
-        sizes[whole] = np.sqrt(np.sum(error[whole] * solved, axis=1))
-        return sizes
 
     def _bend(self, known: Sightings) -> float:
         """Return how wrong the lines are by now: the square of what the last image misses them by.
@@ -189,15 +182,8 @@ class BatchEstimator:
             where.moved(step.shared), at.points + step.points, frame, known.who, known.seen,
             known.sigma,
         )  # fmt: skip
-        missed = curved.error - straight.error + self._predicted_shift(straight)
+        missed = curved.error - straight.error + predicted_shift(straight, self._solved)
         return float(np.nansum(missed**2))
-
-    def _predicted_shift(self, rows: Rows) -> Floats:
-        """Return by how much the solution moves predictions from where they were linearised."""
-        return np.asarray(
-            rows.by_shared @ self._solved.shared
-            + np.einsum("mki,mi->mk", rows.by_point, self._solved.points[rows.who])
-        )
 
     def _give_birth(self, number: int) -> None:
         """Make points of the tracks whose sightings agree; false ones among them are dropped."""
@@ -246,7 +232,7 @@ class BatchEstimator:
         where, frame = self._placed(np.array([number]))
         one = Ranges(frame, self._ranges.range_m[-1:], self._ranges.sigma_m[-1:])
         rows = self._range_rows(where, one, self._at)
-        weights = robust_weights.weights(self._surprise(rows), self._options.gate_sigmas)
+        weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
         self._add(rows, weights / self._alike)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
@@ -270,13 +256,32 @@ class BatchEstimator:
         self._equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
 
     def _linearise(self) -> None:
-        """Linearise everything anew about the solution, and go on until it moves no more.
+        """Linearise everything anew about the solution; look elsewhere if that explains nothing."""
+        best = self._descended(
+            self._at.moved(*within_reach(self._solved.shared, self._solved.points))
+        )
+        count = len(self._known_epochs.times_s)
+        if best.misfit > MISFIT and count >= self._options.growth * self._looked_at:
+            self._looked_at = count
+            others = (mirrored(best.at, self._known_epochs), flat(best.at, self._prior.mean))
+            for start in others:
+                other = self._descended(start)
+                best = other if other.misfit < best.misfit else best
+        weights = self._weights_of(best.rows, best.opened)
+        self._at, self._tumble = best.at, best.tumble
+        self._equations = self._summed(best.at, best.rows, weights)
+        self._solved = self._equations.solve()
+        self._linearised_at = count
+        self._give_up(weights[0])
+        self._freeze(best.rows, weights)
+
+    def _descended(self, at: Unknowns) -> Descent:
+        """Go down from somewhere until nothing moves any more.
 
         While all is wrong the gates are as wide as errors are; then they close, so that what agrees
         with most is kept and the rest is left out (graduated non-convexity; Blake and Zisserman,
         Visual Reconstruction, 1987).
         """
-        at = self._at.moved(*within_reach(self._solved.shared, self._solved.points))
         damping, opened = 0.0, np.inf
         tumble = self._followed(at)
         rows = self._all_rows(at, tumble)
@@ -297,13 +302,7 @@ class BatchEstimator:
                 damping = 0.1 * damping if damping > 1e-6 else 0.0
             else:
                 damping = max(1e-4, 10.0 * damping)
-        weights = self._weights_of(rows, opened)
-        self._at, self._tumble = at, tumble
-        self._equations = self._summed(at, rows, weights)
-        self._solved = self._equations.solve()
-        self._linearised_at = len(self._known_epochs.times_s)
-        self._give_up(weights[0])
-        self._freeze(rows, weights)
+        return Descent(at, tumble, rows, opened, robust_weights.spread(rows[0].sizes, 2))
 
     def _step(self, equations: ArrowEquations, damping: float) -> tuple[Floats, Floats]:
         solved = (equations.damped(damping) if damping else equations).solve()

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from bench.suites.volpe2017.cases import Case
 from bench.suites.volpe2017.point_frames import camera_of, frames_of
 from bench.suites.volpe2017.shape_bound import COLUMNS, BoundTask, bound, true_unknowns
 from models.errors import ScenarioError
 from pipelines.unknown_target.batch_estimator import BatchEstimator
 from pipelines.unknown_target.options import BatchOptions, options_for
+from pipelines.unknown_target.other_starts import camera_rate, flat, mirrored
+from pipelines.unknown_target.unknowns import OMEGA
 from tests.support.watched_target import SHORT, case, followed, motion_start, shape_error_m
 
 SIGMAS = 4.0  # of a scalar, or what as rare a chi2 is: one in 16,000
@@ -128,3 +131,28 @@ def test_options_that_cannot_be_are_refused(wrong, told):
         BatchOptions(**wrong)
     with pytest.raises(ScenarioError, match="variant among paper, best"):
         options_for("bset")
+
+
+def test_a_shape_turned_inside_out_is_mended():
+    """Run 1 turns about the boresight at first, goes the mirrored way, and must come back."""
+    own = Case("flip", "flip", (0.02, 0.02, 1.0), duration_s=400.0, step_s=2.0)
+    assert shape_error_m(followed(own, run=1).solution(), own) < 0.1
+
+
+def test_the_mirrored_way_projects_alike():
+    """From afar: S R S of S P is where R of P is, but for its depth."""
+    at = true_unknowns(SHORT)
+    estimator = BatchEstimator(camera_of(), SHORT.orbit_rate, motion_start(SHORT), CENTRE)
+    for frame, _ in list(frames_of(SHORT, 0, 0))[:2]:
+        estimator.add(frame)
+    epochs = estimator._known_epochs
+    back = mirrored(mirrored(at, epochs), epochs)
+    np.testing.assert_allclose(back.shared, at.shared, atol=1e-9)
+    np.testing.assert_allclose(back.points, at.points)
+    other = mirrored(at, epochs)
+    np.testing.assert_allclose(other.points[:, :2], at.points[:, :2])
+    camera = camera_rate(epochs)
+    np.testing.assert_allclose(
+        (other.shared[OMEGA] - camera)[:2], -(at.shared[OMEGA] - camera)[:2], atol=1e-12
+    )
+    assert (flat(at, at.shared).points[:, 2] == 0.0).all()
