@@ -10,7 +10,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import tomli_w
 from pydantic import Field, ValidationError
@@ -60,6 +60,7 @@ from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.sun_choice import check_suns
+from renders.scenario.surface_tables import SurfaceTable
 from renders.scenario.table import Name, Prose, Table
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable, check_told
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
@@ -99,16 +100,12 @@ class RenderTable(Table):
         le=100,
         description="of the light, in units of the detector's own, to which each pixel is sampled",
     )
-    bounced: Literal["auto", "looked_up", "traced"] = Field(
-        "auto",
-        description="sunlight that met a surface before: traced once for all exposures and looked "
-        "up, or traced in each; auto: looked up with noise typed, where that saves time",
-    )
     paths: int = Field(
-        2**23,
-        ge=1000,
+        0,
+        ge=0,
         le=2**28,
-        description="of sunlight that are followed once for each Sun where it is looked up",
+        description="of sunlight that are followed from each Sun to what mirrors throw it onto, "
+        "once for all exposures where it stands still; 0: all light is found from the lens",
     )
     marker_samples: int = Field(
         4096, ge=1, le=65_536, description="per pixel in the marker windows"
@@ -155,6 +152,9 @@ class Scenario(Table):
         None, description="your own, in a file or here, instead of the target's"
     )
     told: ToldTable | None = Field(None, description="what a pipeline is told otherwise")
+    surface: Annotated[tuple[SurfaceTable, ...], Field(strict=False, max_length=100)] | None = (
+        Field(None, description="materials of this specimen that differ from the house's")
+    )
     own_target: OwnTargetTable | None = Field(None, description="as its file had it")
 
     @property
