@@ -15,9 +15,13 @@ from models.errors import ScenarioError
 RunSuite = Callable[[SuiteRequest, Console], SuiteFiles]
 
 # A suite is a module's ``run_suite``, loaded when it is asked for.
-SUITES = {"pesce2019": "bench.suites.pesce2019.suite"}
+SUITES = {
+    "pesce2019": "bench.suites.pesce2019.suite",
+    "volpe2017": "bench.suites.volpe2017.suite",
+}
 TITLES = {
     "pesce2019": "an uncooperative, known target from corners: Pesce et al. 2019, Tables 5 to 8",
+    "volpe2017": "an unknown target from tracks and a range: Volpe et al. 2017, Tables 1 and 2",
 }
 
 

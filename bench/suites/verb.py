@@ -32,7 +32,8 @@ class Suite:
     number means.
 
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
-    the paper's sizes; what is left is told as it runs.
+    the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
+    what is left is told as it runs.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]
@@ -46,7 +47,7 @@ class Suite:
     quick: bool = False
     """a small version of everything, in minutes, to see it work"""
     runs: OptionalCount = None
-    """runs of each case that the paper repeats (50)"""
+    """runs of each case that the paper repeats (50), or of volpe2017's own case (100)"""
     acquisitions: OptionalCount = None
     """acquisitions of each case (1000, of which the paper's table takes the first 100)"""
     seeds: OptionalCount = None
@@ -54,7 +55,7 @@ class Suite:
     paper_runs: OptionalCount = None
     """most runs and acquisitions of a case by `paper`, which takes ten times as long as `best`"""
     duration_s: OptionalNumber = None
-    """length of a run, in s (1800)"""
+    """length of a run, in s (1800; volpe2017: of the paper's case, one orbit)"""
     seed: Annotated[int, arg(metavar="N")] = 0
     """seed of all draws"""
 

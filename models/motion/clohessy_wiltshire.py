@@ -96,3 +96,28 @@ def state_on_closed_ellipse(
     phi = float(np.arcsin(radial_m / b))
     along = 2.0 * b * (1.0 - np.cos(phi))
     return np.array([radial_m, along, normal_m, -b * n * np.cos(phi), -2.0 * n * radial_m, 0.0])
+
+
+def state_on_inclined_ellipse(
+    mean_motion_rad_s: float, radial_m: float, normal_m: float, phase_rad: float = 0.0
+) -> Floats:
+    """Return a (6,) state on a closed ellipse about the target, out of the orbit's plane.
+
+    ``x = radial cos(phi), y = -2 radial sin(phi), z = normal sin(phi)``, phi rising at the mean
+    motion: it never crosses the along-track axis, and drifts nowhere.
+
+    Parameters
+    ----------
+    mean_motion_rad_s : float, rad/s
+    radial_m : float, m
+        Largest height; twice that along the track.
+    normal_m : float, m
+        Largest distance from the orbit's plane.
+    phase_rad : float, rad
+        phi of the state.
+    """
+    n, c, s = mean_motion_rad_s, float(np.cos(phase_rad)), float(np.sin(phase_rad))
+    place = [radial_m * c, -2.0 * radial_m * s, normal_m * s]
+    return np.array(
+        [*place, -n * radial_m * s, -2.0 * n * radial_m * c, n * normal_m * c], dtype=np.float64
+    )

@@ -133,11 +133,12 @@ def _singles(scenario: Scenario) -> World:
 
 
 def _in_colour(scenario: Scenario) -> World:
-    """Single images in colour of white dots, from a first pose; the chaser is out of the way."""
+    """Single images in colour of white dots, from a first pose; the chaser is there if it has an arm."""
     moving, sensor = _moving(scenario), colour_camera(scenario)
     bodies = Bodies(
         make_target=partial(_dotted_in_colour, scenario),
         optics=RetroreflectorOptics(returned=BLACK),
+        make_chaser=None if moving.arm is None else partial(_chaser_in_colour, moving.arm),
     )
     board, share = wireframe_if_any(scenario), scenario.pixel_scale**2
     return World(
@@ -153,14 +154,21 @@ def _in_colour(scenario: Scenario) -> World:
             calibration=scenario.calibration,
             detector=scenario.simulated_detector,
             marked=bodies,
-            first_pose=FirstPose(moving.trajectory, scenario.times_s[0], scenario.prior),
+            first_pose=_first_pose(scenario, moving),
             wireframe=board,
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
+            arm=moving.told_arm,
         ),
         truth=OfMarkers(),
-        checks=(outside_the_target, shown_in_some_image),
+        checks=(outside_the_target, shown_in_some_image, *moving.checks),
+        tables=moving.tables,
+        arm=moving.arm,
     )
+
+
+def _chaser_in_colour(arm: ArmAboard) -> Spacecraft:
+    return in_colour(armed_chaser(arm.motion.arm, arm.hand_from_tool))
 
 
 def _dotted_in_colour(scenario: Scenario) -> Spacecraft:

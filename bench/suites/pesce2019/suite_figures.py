@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bench.report.plot import COLOURS, INK, OTHER, drawn_svg
+from bench.suites.consistency import CONFIDENCE, consistency
 from bench.suites.pesce2019.cases import case
 from bench.suites.pesce2019.plan import ACQUIRED_CASES, RATE_HZ, VARIANTS
 from bench.suites.pesce2019.results import Outcomes
-from bench.suites.pesce2019.summaries import CONFIDENCE, STATE_DOF, consistency, stacked
+from bench.suites.pesce2019.summaries import STATE_DOF, stacked
 from models.arrays import Floats
 
 CASE_COLOURS = {"1": "#1763a6", "2": "#b3261e", "3": "#3a8f4d"}

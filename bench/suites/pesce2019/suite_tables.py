@@ -9,16 +9,12 @@ from scipy.stats import chi2
 
 from bench.report.numbers import NONE, count, number, share
 from bench.report.table import TITLES, Table
+from bench.suites.consistency import CONFIDENCE, Consistency
 from bench.suites.pesce2019.cases import published
 from bench.suites.pesce2019.comparison import Compared
 from bench.suites.pesce2019.plan import VARIANTS, Cell
 from bench.suites.pesce2019.results import AcquiredCase, Results, TrackedCell
-from bench.suites.pesce2019.summaries import (
-    CONFIDENCE,
-    BoundSummary,
-    Consistency,
-    TrackingSummary,
-)
+from bench.suites.pesce2019.summaries import BoundSummary, TrackingSummary
 
 SHOWN = tuple(reversed(VARIANTS))  # best first, as on every page
 CELL_HEAD = [

@@ -12,37 +12,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest, chi2
+from scipy.stats import binomtest
 
 from bench.scoring.judgement import without_numbers
+from bench.suites.consistency import CONFIDENCE, Consistency, consistency, root_mean_square
 from bench.suites.pesce2019.acquisition_trial import WRONG_DEG, WRONG_M
 from bench.suites.pesce2019.tracking_run import MODES
 from bench.suites.units import Outcome
-from models.arrays import AnyArray, Floats, Mask
+from models.arrays import Floats, Mask
 
 STATE_DOF, POSE_DOF = 6, 3
-CONFIDENCE = 0.95
 STEADY_SHARE = 1000.0 / 1800.0  # of a run, its end: Table 6's window
 SETTLED_S = 50.0  # from here on: Tables 7 and 8
-
-
-@dataclass(frozen=True)
-class Consistency:
-    """Whether stated covariances fit the errors made.
-
-    Attributes
-    ----------
-    mean : float or None
-        Mean over runs and frames of ``e' P^-1 e`` over its degrees of freedom: 1 if honest.
-    bounds : list of 2 floats
-        Where the mean over the runs at one instant falls 95 times in 100, for as many runs.
-    inside : float or None
-        Share of the instants at which it does.
-    """
-
-    mean: float | None
-    bounds: list[float]
-    inside: float | None
 
 
 @dataclass(frozen=True)
@@ -166,17 +147,6 @@ def stacked(outcomes: Sequence[Outcome], name: str) -> Floats:
     return np.array([outcome.values[name] for outcome in outcomes], dtype=np.float64)
 
 
-def root_mean_square(errors: AnyArray) -> float | None:
-    """Return the root mean square of what is not NaN; None of nothing.
-
-    Parameters
-    ----------
-    errors : (...,) array
-    """
-    there = errors[np.isfinite(errors)]
-    return float(np.sqrt(np.mean(there**2))) if there.size else None
-
-
 def tracking_summary(outcomes: Sequence[Outcome], window: slice) -> TrackingSummary:
     """Summarise the runs of one cell and variant over a window."""
 
@@ -228,25 +198,6 @@ def bound_summary(outcome: Outcome, window: slice) -> BoundSummary:
             for name, values in outcome.values.items()
         }
     )
-
-
-def consistency(squares: Floats, dof: int) -> Consistency:
-    """Judge normalised squares, (runs, frames), NaN where there is none.
-
-    Errors of one run are alike from frame to frame, those of different runs are not: so each
-    instant is judged over the runs.
-    """
-    runs = len(squares)
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    low, high = (float(chi2.ppf(p, dof * runs) / (dof * runs)) for p in (tail, 1.0 - tail))
-    whole = squares[:, np.isfinite(squares).all(axis=0)]
-    if whole.size == 0:
-        there = squares[np.isfinite(squares)]
-        mean = float(there.mean() / dof) if there.size else None
-        return Consistency(mean, [low, high], None)
-    means = whole.mean(axis=0) / dof
-    inside = float(np.mean((low <= means) & (means <= high)))
-    return Consistency(float(np.nanmean(squares) / dof), [low, high], inside)
 
 
 def acquisition_summary(outcomes: Sequence[Outcome], most: int | None = None) -> AcquisitionSummary:

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
+from bench.suites.consistency import consistency, root_mean_square
 from bench.suites.pesce2019.summaries import (
     acquisition_summary,
     bound_summary,
-    consistency,
-    root_mean_square,
     settled,
     steady,
     tracking_summary,

@@ -1,0 +1,394 @@
+"""``best``: all measurements since the start in one least-squares problem, kept up to date.
+
+Nothing disturbs the motion, so that a filter and a batch would say the same if all were linear. It
+is not: of depth, rates and inertia the first images know so little that what a filter drops after
+each image it has dropped wrongly. Here a new image adds its rows to the normal equations (an arrow,
+see ``ArrowEquations``) where they were last linearised, and all images are linearised anew when
+there are so many more of them or the estimate has moved. What was linearised last is the same place
+for all, so nothing is learned of what cannot be seen, such as the scale of a target without range.
+
+References
+----------
+Gauss and Newton's iteration with Marquardt's damping, weights as by Holland and Welsch, Robust
+Regression Using Iteratively Reweighted Least-Squares, 1977; relinearising as by Kaess et al.,
+iSAM, 2008, with elimination of the points first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.arrays import Floats, Indices
+from models.camera import Camera
+from models.motion.clohessy_wiltshire import state_transition
+from models.motion.gravity_gradient_rotation import lvlh_from_first
+from pipelines.unknown_target import robust_weights
+from pipelines.unknown_target.arrow_equations import ArrowEquations
+from pipelines.unknown_target.batch_solution import BatchSolution
+from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
+from pipelines.unknown_target.free_tumble import FreeTumble
+from pipelines.unknown_target.observation_rows import (
+    Epochs,
+    Placed,
+    Rows,
+    centre_rows,
+    placed,
+    sighting_rows,
+    surface_rows,
+)
+from pipelines.unknown_target.options import BatchOptions
+from pipelines.unknown_target.other_starts import flat, mirrored
+from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
+from pipelines.unknown_target.sightings import Ranges, Sightings
+from pipelines.unknown_target.start_guess import StartGuess
+from pipelines.unknown_target.tracked_frame import TrackedFrame
+from pipelines.unknown_target.unknowns import (
+    CHART,
+    OMEGA,
+    SHARED,
+    Prior,
+    Unknowns,
+    within_reach,
+)
+
+AHEAD_S = 30.0  # the tumble is followed at least so far beyond the last frame
+SETTLED = 0.01  # square of a step in sigmas, below which it is none
+MISFIT = 1.6  # sigmas of most sightings, above which they are not explained; of a third false: 1.4
+REFUSED = 0.1  # weight below which an observation is refused
+
+
+class BatchEstimator:
+    """One target, followed from the first frame on.
+
+    Parameters
+    ----------
+    camera : Camera
+    mean_motion_rad_s : float, rad/s
+        Of the target's circular orbit.
+    start : StartGuess
+    options : BatchOptions
+    """
+
+    def __init__(
+        self, camera: Camera, mean_motion_rad_s: float, start: StartGuess, options: BatchOptions
+    ) -> None:
+        self._camera, self._motion, self._options = camera, mean_motion_rad_s, options
+        self._prior = Prior(start, options.inertia_sigma)
+        self._tracks = PointTracks(options.births)
+        self._at = Unknowns(self._prior.mean.copy(), np.zeros((0, 3)))
+        self._equations = self._prior.equations(self._at)
+        self._solved = self._equations.solve()
+        self._sightings, self._ranges = Sightings.none(), Ranges.none()
+        self._frozen: tuple[ArrowEquations, Unknowns] | None = None
+        self._epochs: Epochs | None = None
+        self._start_s, self._linearised_at = 0.0, 0
+        self._looked_at = options.every_frame_until
+
+    def add(self, frame: TrackedFrame) -> None:
+        """Take in a frame; its time is after those of all before."""
+        self._note(frame)
+        epochs, number = self._known_epochs, len(self._known_epochs.times_s) - 1
+        if epochs.times_s[-1] > self._tumble.until_s:
+            self._linearise()
+        seen = self._camera.normalise(frame.points_px)
+        sigma = frame.sigma_px / self._camera.fx
+        known = self._tracks.sort(number, frame.tracks, seen, sigma)
+        self._take_sightings(known)
+        self._give_birth(number)
+        self._sightings = self._sightings.followed_by(known)
+        if frame.range_m is not None and frame.range_sigma_m is not None:
+            self._take_range(number, frame.range_m, frame.range_sigma_m)
+        self._solved = self._equations.solve()
+        count, options = number + 1, self._options
+        if (
+            count <= options.every_frame_until
+            or count >= options.growth * self._linearised_at
+            or count * self._bend(known) > options.bend
+        ):
+            self._linearise()
+
+    def solution(self) -> BatchSolution:
+        """Return what is known by now."""
+        last = self._known_epochs.take(slice(-1, None))
+        return BatchSolution(
+            self._at,
+            placed(self._at, self._tumble, last),
+            self._equations,
+            self._solved,
+            self._prior,
+            tuple(self._tracks.names),
+            self._tracks.live,
+            self._options.lost_share,
+        )
+
+    @property
+    def _known_epochs(self) -> Epochs:
+        if self._epochs is None:
+            raise ValueError("expected a frame before anything is asked")
+        return self._epochs
+
+    def _note(self, frame: TrackedFrame) -> None:
+        if self._epochs is None:
+            self._start_s = frame.time_s
+        after_s = frame.time_s - self._start_s
+        attitude = frame.R_cam_from_lvlh
+        epoch = Epochs(
+            np.array([after_s]),
+            attitude[None],
+            (attitude @ lvlh_from_first(self._motion * after_s))[None],
+            state_transition(self._motion, after_s)[None],
+        )
+        if self._epochs is None:
+            self._epochs = epoch
+            self._tumble = self._followed(self._at)
+        elif not after_s > self._epochs.times_s[-1]:
+            raise ValueError(f"expected a frame after {self._epochs.times_s[-1]} s, got {after_s}")
+        else:
+            self._epochs = self._epochs.followed_by(epoch)
+
+    def _followed(self, at: Unknowns) -> FreeTumble:
+        epochs = self._known_epochs
+        until_s = self._options.growth * float(epochs.times_s[-1]) + AHEAD_S
+        first = epochs.R_cam_from_start[0].T
+        return FreeTumble(at.shared[OMEGA], at.shared[CHART], first, self._motion, until_s)
+
+    def _placed(self, frames: Indices) -> tuple[Placed, Indices]:
+        """Return where the target is at the frames named, each once, and which is whose."""
+        own, back = np.unique(frames, return_inverse=True)
+        return placed(self._at, self._tumble, self._known_epochs.take(own)), back
+
+    def _take_sightings(self, known: Sightings) -> None:
+        """Add the rows of points that are known."""
+        if not len(known):
+            return
+        where, frame = self._placed(known.frame)
+        rows = sighting_rows(where, self._at.points, frame, known.who, known.seen, known.sigma)
+        sizes = surprise(rows, self._solved)
+        young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
+        spread = robust_weights.spread(sizes, 2) if young else 1.0
+        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+
+    def _bend(self, known: Sightings) -> float:
+        """Return how wrong the lines are by now: the square of what the last image misses them by.
+
+        Each image so far misses them by about as much, and all of them count.
+        """
+        if not len(known):
+            return 0.0
+        where, frame = self._placed(known.frame)
+        at, step = self._at, self._solved
+        straight = sighting_rows(where, at.points, frame, known.who, known.seen, known.sigma)
+        curved = sighting_rows(
+            where.moved(step.shared), at.points + step.points, frame, known.who, known.seen,
+            known.sigma,
+        )  # fmt: skip
+        missed = curved.error - straight.error + predicted_shift(straight, self._solved)
+        return float(np.nansum(missed**2))
+
+    def _give_birth(self, number: int) -> None:
+        """Make points of the tracks whose sightings agree; false ones among them are dropped."""
+        tracks, waiting = self._tracks.ripe(number)
+        if not tracks:
+            return
+        where, frame = self._placed(waiting.frame)
+        own = Sightings(frame, waiting.who, waiting.seen, waiting.sigma)
+        reach_m = self._options.birth_reach * self._prior.point_information**-0.5
+        places, first = first_places(where, own), []
+        point = np.full(len(waiting), -1, dtype=np.int64)
+        for place, name in enumerate(tracks):
+            of_track = np.flatnonzero(waiting.who == place)
+            of_track = of_track[agreeing(places[of_track], reach_m)]
+            if len(of_track) >= self._options.births:
+                point[of_track] = self._tracks.give_birth(name)
+                first.append(np.median(places[of_track], axis=0))
+        if first:
+            self._make_room(np.array(first))
+            kept = point >= 0
+            born = Sightings(waiting.frame, point, waiting.seen, waiting.sigma).take(kept)
+            rows = sighting_rows(
+                where, self._at.points, frame[kept], born.who, born.seen, born.sigma
+            )
+            sizes = rows.sizes
+            gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
+            self._add(rows, robust_weights.weights(sizes, gate))
+            self._sightings = self._sightings.followed_by(born)
+            self._solved = self._equations.solve()
+
+    def _make_room(self, places: Floats) -> None:
+        before = len(self._at.points)
+        self._at = self._at.with_points(places)
+        self._equations.grow(len(places))
+        if self._frozen is not None:
+            self._frozen[0].grow(len(places))
+            self._frozen = self._frozen[0], self._frozen[1].with_points(places)
+        prior = self._prior.equations(self._at)
+        self._equations.D[before:] += prior.D[before:]
+        self._equations.d[before:] += prior.d[before:]
+
+    def _take_range(self, number: int, range_m: float, sigma_m: float) -> None:
+        self._ranges = self._ranges.with_one(number, range_m, sigma_m)
+        if not len(self._at.points):
+            return
+        where, frame = self._placed(np.array([number]))
+        one = Ranges(frame, self._ranges.range_m[-1:], self._ranges.sigma_m[-1:])
+        rows = self._range_rows(where, one, self._at)
+        weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
+        self._add(rows, weights / self._alike)
+
+    def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
+        if self._options.range_to == "centre":
+            return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
+        sigma = np.hypot(ranges.sigma_m, np.hypot(self._options.relief_m, self._hull_sigma()))
+        return surface_rows(
+            where, at.points, self._tracks.live, ranges.frame, ranges.range_m, sigma
+        )
+
+    def _hull_sigma(self) -> float:
+        """Return how well the corners of the hull are known, m: while they are not, nor is it."""
+        spread = self._solved.point_covariances()
+        if len(spread) < len(self._at.points):
+            return self._prior.point_information**-0.5
+        own = np.trace(spread[self._tracks.live], axis1=1, axis2=2)
+        return float(np.sqrt(np.mean(own))) if len(own) else 0.0
+
+    def _add(self, rows: Rows, weights: Floats) -> None:
+        kept = rows.weighted(weights)
+        self._equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
+
+    def _linearise(self) -> None:
+        """Linearise everything anew about the solution; look elsewhere if that explains nothing."""
+        best = self._descended(
+            self._at.moved(*within_reach(self._solved.shared, self._solved.points))
+        )
+        count = len(self._known_epochs.times_s)
+        if best.misfit > MISFIT and count >= self._options.growth * self._looked_at:
+            self._looked_at = count
+            others = (mirrored(best.at, self._known_epochs), flat(best.at, self._prior.mean))
+            for start in others:
+                other = self._descended(start)
+                best = other if other.misfit < best.misfit else best
+        weights = self._weights_of(best.rows, best.opened)
+        self._at, self._tumble = best.at, best.tumble
+        self._equations = self._summed(best.at, best.rows, weights)
+        self._solved = self._equations.solve()
+        self._linearised_at = count
+        self._give_up(weights[0])
+        self._freeze(best.rows, weights)
+
+    def _descended(self, at: Unknowns) -> Descent:
+        """Go down from somewhere until nothing moves any more.
+
+        While all is wrong the gates are as wide as errors are; then they close, so that what agrees
+        with most is kept and the rest is left out (graduated non-convexity; Blake and Zisserman,
+        Visual Reconstruction, 1987).
+        """
+        damping, opened = 0.0, np.inf
+        tumble = self._followed(at)
+        rows = self._all_rows(at, tumble)
+        for _ in range(self._options.iterations):
+            weights = self._weights_of(rows, opened)
+            equations = self._summed(at, rows, weights)
+            step = self._step(equations, damping)
+            if equations.square(*step) < SETTLED:
+                if opened == 1.0:
+                    break
+                opened = max(1.0, 0.5 * min(opened, self._widest(rows)))
+                continue
+            next_at = at.moved(*step)
+            next_tumble = self._followed(next_at)
+            next_rows = self._all_rows(next_at, next_tumble)
+            if self._cost(next_at, next_rows, weights) <= self._cost(at, rows, weights):
+                at, tumble, rows = next_at, next_tumble, next_rows
+                damping = 0.1 * damping if damping > 1e-6 else 0.0
+            else:
+                damping = max(1e-4, 10.0 * damping)
+        return Descent(at, tumble, rows, opened, robust_weights.spread(rows[0].sizes, 2))
+
+    def _step(self, equations: ArrowEquations, damping: float) -> tuple[Floats, Floats]:
+        solved = (equations.damped(damping) if damping else equations).solve()
+        return within_reach(solved.shared, solved.points)
+
+    def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, Rows]:
+        """Return the rows of all that is not frozen: of sightings, and of ranges."""
+        where = placed(at, tumble, self._known_epochs)
+        own = self._sightings
+        seen = sighting_rows(where, at.points, own.frame, own.who, own.seen, own.sigma)
+        if not len(self._ranges) or not len(at.points):
+            nothing = np.zeros((0, 1, 3))
+            return seen, Rows(
+                np.zeros((0, 1, SHARED)), nothing, np.zeros((0, 1)), np.zeros(0, dtype=np.int64)
+            )
+        return seen, self._range_rows(where, self._ranges, at)
+
+    def _widest(self, rows: tuple[Rows, Rows]) -> float:
+        return max(robust_weights.spread(each.sizes, each.error.shape[1]) for each in rows)
+
+    def _weights_of(self, rows: tuple[Rows, Rows], opened: float) -> list[Floats]:
+        """Return the weights of sightings and of ranges; gates are no wider than ``opened``."""
+        seen, ranged = (
+            robust_weights.of_most(
+                each.sizes, each.error.shape[1], self._options.gate_sigmas, opened
+            )
+            for each in rows
+        )
+        return [seen, ranged / self._alike]
+
+    @property
+    def _alike(self) -> float:
+        """How many ranges are worth one: those to a surface err alike as long as they meet it."""
+        return self._options.relief_frames if self._options.range_to == "surface" else 1.0
+
+    def _summed(
+        self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]
+    ) -> ArrowEquations:
+        equations = self._prior.equations(at)
+        if self._frozen is not None:
+            old, there = self._frozen
+            equations = equations.plus(
+                old.moved(at.shared - there.shared, at.points - there.points)
+            )
+        for each, own in zip(rows, weights, strict=True):
+            kept = each.weighted(own)
+            equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
+        return equations
+
+    def _cost(self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]) -> float:
+        cost = self._prior.cost(at)
+        if self._frozen is not None:
+            old, there = self._frozen
+            away = at.shared - there.shared, at.points - there.points
+            cost += old.square(*away) - 2.0 * float(old.a @ away[0] + np.sum(old.d * away[1]))
+        for each, own in zip(rows, weights, strict=True):
+            counted = own > 0.0
+            cost += float(own[counted] @ np.sum(each.error[counted] ** 2, axis=1))
+        return cost if np.isfinite(cost) else np.inf
+
+    def _give_up(self, weights: Floats) -> None:
+        """Let go of points of which too much is refused: their tracks were of two points."""
+        who, points = self._sightings.who, len(self._at.points)
+        seen = np.bincount(who, minlength=points)
+        refused = np.bincount(who[weights < REFUSED], minlength=points)
+        bad = (seen >= FEW) & (refused > self._options.bad_share * seen) & self._tracks.live
+        if bad.any():
+            self._tracks.give_up(np.flatnonzero(bad))
+            self._sightings = self._sightings.take(~bad[who])
+
+    def _freeze(self, rows: tuple[Rows, Rows], weights: list[Floats]) -> None:
+        """Keep the older half as it was linearised, once there is too much."""
+        if len(self._sightings) <= self._options.most_observations or len(weights[0]) != len(
+            self._sightings
+        ):
+            return
+        middle = int(np.median(self._sightings.frame))
+        old = ArrowEquations.empty(SHARED, len(self._at.points))
+        if self._frozen is not None:
+            before, there = self._frozen
+            old = before.moved(self._at.shared - there.shared, self._at.points - there.points)
+        for each, own, frame in zip(
+            rows, weights, (self._sightings.frame, self._ranges.frame), strict=True
+        ):
+            kept = each.weighted(np.where(frame < middle, own, 0.0))
+            old.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
+        self._frozen = old, self._at
+        self._sightings = self._sightings.take(self._sightings.frame >= middle)
+        self._ranges = self._ranges.take(self._ranges.frame >= middle)

@@ -1,0 +1,57 @@
+"""Where a descent ended, and what a solution expects of measurements that come after it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import Floats
+from pipelines.unknown_target.arrow_equations import Solved
+from pipelines.unknown_target.free_tumble import FreeTumble
+from pipelines.unknown_target.observation_rows import Rows
+from pipelines.unknown_target.unknowns import Unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where one ended.
+
+    Attributes
+    ----------
+    at : Unknowns
+    tumble : FreeTumble
+        Of these.
+    rows : tuple of Rows
+        Of sightings and of ranges, there.
+    opened : float
+        How wide the gates still are.
+    misfit : float
+        How many sigmas most sightings err.
+    """
+
+    at: Unknowns
+    tumble: FreeTumble
+    rows: tuple[Rows, Rows]
+    opened: float
+    misfit: float
+
+
+def predicted_shift(rows: Rows, solved: Solved) -> Floats:
+    """Return by how much a solution moves predictions from where they were linearised, (m, k)."""
+    return np.asarray(
+        rows.by_shared @ solved.shared
+        + np.einsum("mki,mi->mk", rows.by_point, solved.points[rows.who])
+    )
+
+
+def surprise(rows: Rows, solved: Solved) -> Floats:
+    """Return how many sigmas measurements are from where they were expected, (m,)."""
+    expected = solved.predicted_spread(rows.by_shared, rows.by_point, rows.who)
+    error = rows.error - predicted_shift(rows, solved)
+    whole = np.isfinite(error).all(axis=1)
+    sizes = np.full(len(error), np.inf)
+    spread = expected[whole] + np.eye(error.shape[1])
+    normalised = np.linalg.solve(spread, error[whole, :, None])[..., 0]
+    sizes[whole] = np.sqrt(np.sum(error[whole] * normalised, axis=1))
+    return sizes

@@ -1,0 +1,135 @@
+"""Settings of the pipeline for an unknown target, and its two variants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from models.errors import ScenarioError
+
+RangeTo: TypeAlias = Literal["centre", "surface"]
+VARIANTS = ("paper", "best")
+
+
+@dataclass(frozen=True)
+class UnscentedOptions:
+    """Settings of the filter as Volpe et al. 2017 print it; its numbers are lost to us.
+
+    Attributes
+    ----------
+    alpha, beta, kappa : float
+        Of the scaled unscented transformation (Julier 2002).
+    sigma_constraint_m : float, m
+        With which equation 15, that joins the two redundant sets of points, is taken in as a
+        measurement in every frame.
+    sigma_attitude : float
+        1 sigma of each number of the first quaternion, which the choice of axes makes exact.
+    sigma_beside_m, sigma_depth_m : float
+        1 sigma of the first guess of a point, across and along the boresight.
+    """
+
+    alpha: float = 0.3
+    beta: float = 2.0
+    kappa: float = 0.0
+    sigma_constraint_m: float = 0.2
+    sigma_attitude: float = 1e-4
+    sigma_beside_m: float = 0.3
+    sigma_depth_m: float = 2.0
+
+
+@dataclass(frozen=True)
+class BatchOptions:
+    """Settings of ``best``: all measurements since the start, linearised anew now and then.
+
+    Attributes
+    ----------
+    range_to : str
+        What a range is taken to be to: ``surface``, or the ``centre`` of mass as in the paper.
+    relief_m : float, m
+        1 sigma by which the surface lies off the hull of the points.
+    relief_frames : float
+        So many ranges in a row err alike by that: together they count as one.
+    births : int
+        Sightings of a track that must agree before it is a point.
+    birth_reach : float
+        How far apart they may lie on the target, as a share of the size of what is thought of it.
+    gate_sigmas : float
+        Beyond it an observation counts less and less.
+    every_frame_until : int
+        Up to so many frames all is linearised anew with every frame.
+    growth : float
+        After that, whenever there are so many times as many frames.
+    bend : float
+        Or when the lines are wrong by so much: the square, in sigmas, of what all images together
+        miss by the estimate's having moved since.
+    iterations : int
+        Most steps of one time.
+    most_observations : int
+        What is older stays as it was last linearised.
+    bad_share : float
+        A point of which more observations than this are refused is given up.
+    inertia_sigma : float
+        1 sigma of the numbers of the inertia's chart before any measurement.
+    lost_share : float
+        What is still this uncertain, as a share of before, is told to be lost.
+    """
+
+    range_to: RangeTo = "surface"
+    relief_m: float = 0.01
+    relief_frames: float = 10.0
+    births: int = 3
+    birth_reach: float = 0.1
+    gate_sigmas: float = 3.5
+    every_frame_until: int = 12
+    growth: float = 1.6
+    bend: float = 1.0
+    iterations: int = 20
+    most_observations: int = 40_000
+    bad_share: float = 0.6
+    inertia_sigma: float = 0.5
+    lost_share: float = 0.5
+
+    def __post_init__(self) -> None:
+        if self.range_to not in ("centre", "surface"):
+            raise ScenarioError(
+                "unknown target options: expected range_to of 'centre' or 'surface', "
+                f"got {self.range_to!r}"
+            )
+        if self.births < 1 or not self.growth > 1.0 or not self.gate_sigmas > 0.0:
+            raise ScenarioError(
+                "unknown target options: expected births of at least 1, growth above 1 and "
+                f"gate_sigmas above 0, got {self.births}, {self.growth} and {self.gate_sigmas}"
+            )
+
+
+@dataclass(frozen=True)
+class UnknownTargetOptions:
+    """Settings of one variant.
+
+    Attributes
+    ----------
+    variant : str
+    unscented : UnscentedOptions
+        Of ``paper``.
+    batch : BatchOptions
+        Of ``best``.
+    """
+
+    variant: str = "best"
+    unscented: UnscentedOptions = field(default_factory=UnscentedOptions)
+    batch: BatchOptions = field(default_factory=BatchOptions)
+
+
+def options_for(variant: str) -> UnknownTargetOptions:
+    """Return the settings of a variant.
+
+    Raises
+    ------
+    ScenarioError
+        If no variant has that name; the message lists those there are.
+    """
+    if variant not in VARIANTS:
+        raise ScenarioError(
+            f"expected a pipeline variant among {', '.join(VARIANTS)}, got {variant!r}"
+        )
+    return UnknownTargetOptions(variant)

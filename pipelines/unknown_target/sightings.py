@@ -1,0 +1,128 @@
+"""All that was seen: points in images, and ranges, in the order in which they came."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.arrays import Floats, Indices, Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """Points seen in images.
+
+    Attributes
+    ----------
+    frame : (m,) int array
+        Place among the epochs.
+    who : (m,) int array
+        Place among the points.
+    seen : (m, 2) array
+        Undistorted, in units of the focal length.
+    sigma : (m,) array
+        Of each axis, in the same unit.
+    """
+
+    frame: Indices
+    who: Indices
+    seen: Floats
+    sigma: Floats
+
+    @classmethod
+    def none(cls) -> Sightings:
+        """Return none at all."""
+        return cls.of([], [], [], [])
+
+    @classmethod
+    def of(
+        cls,
+        frame: Iterable[int],
+        who: Iterable[int],
+        seen: Iterable[Floats],
+        sigma: Iterable[float],
+    ) -> Sightings:
+        """Return sightings of lists.
+
+        Parameters
+        ----------
+        frame, who : iterable of int
+        seen : iterable of (2,) arrays
+        sigma : iterable of float
+        """
+        return cls(
+            np.array(list(frame), dtype=np.int64),
+            np.array(list(who), dtype=np.int64),
+            np.array(list(seen), dtype=np.float64).reshape(-1, 2),
+            np.array(list(sigma), dtype=np.float64),
+        )
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    def take(self, which: Mask | slice) -> Sightings:
+        """Return some of them.
+
+        Parameters
+        ----------
+        which : (m,) bool array or slice
+        """
+        return Sightings(self.frame[which], self.who[which], self.seen[which], self.sigma[which])
+
+    def followed_by(self, other: Sightings) -> Sightings:
+        """Return both, one after the other."""
+        return Sightings(
+            np.concatenate([self.frame, other.frame]),
+            np.concatenate([self.who, other.who]),
+            np.concatenate([self.seen, other.seen]),
+            np.concatenate([self.sigma, other.sigma]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Ranges:
+    """Distances along the boresight.
+
+    Attributes
+    ----------
+    frame : (m,) int array
+        Place among the epochs.
+    range_m, sigma_m : (m,) array, m
+    """
+
+    frame: Indices
+    range_m: Floats
+    sigma_m: Floats
+
+    @classmethod
+    def none(cls) -> Ranges:
+        """Return none at all."""
+        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    def take(self, which: Mask | slice) -> Ranges:
+        """Return some of them.
+
+        Parameters
+        ----------
+        which : (m,) bool array or slice
+        """
+        return Ranges(self.frame[which], self.range_m[which], self.sigma_m[which])
+
+    def with_one(self, frame: int, range_m: float, sigma_m: float) -> Ranges:
+        """Return these and one more.
+
+        Parameters
+        ----------
+        frame : int
+        range_m, sigma_m : float, m
+        """
+        return Ranges(
+            np.append(self.frame, frame),
+            np.append(self.range_m, range_m),
+            np.append(self.sigma_m, sigma_m),
+        )

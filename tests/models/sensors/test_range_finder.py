@@ -1,0 +1,48 @@
+"""A range finder's noise, wrong echoes and missing ones are as many as it says."""
+
+import numpy as np
+import pytest
+
+from models.errors import ScenarioError
+from models.sensors.range_finder import RangeFinder
+
+DRAWS = 4000
+
+
+def readings(finder, true_m=20.0):
+    return [finder.reading(true_m, np.random.default_rng([1, k])) for k in range(DRAWS)]
+
+
+def test_a_right_echo_has_its_sigma():
+    errors = np.array(readings(RangeFinder(sigma_m=0.02))) - 20.0
+    assert errors.std() == pytest.approx(0.02, rel=4.0 / np.sqrt(2 * DRAWS))
+    assert abs(errors.mean()) < 4.0 * 0.02 / np.sqrt(DRAWS)
+
+
+def test_shares_are_kept_and_leave_other_draws_alone():
+    plain = readings(RangeFinder())
+    other = readings(RangeFinder(outlier_share=0.1, drop_out_share=0.2))
+    lost = np.mean([each is None for each in other])
+    assert lost == pytest.approx(0.2, abs=0.03)
+    there = [(one, two) for one, two in zip(plain, other, strict=True) if two is not None]
+    same = np.mean([one == two for one, two in there])
+    assert same == pytest.approx(0.9, abs=0.03)
+
+
+def test_where_the_beam_meets_nothing_there_is_no_reading():
+    assert RangeFinder().reading(np.inf, np.random.default_rng(0)) is None
+
+
+@pytest.mark.parametrize(("rate_hz", "share"), [(0.5, 0.5), (0.3, 0.3), (5.0, 1.0)])
+def test_it_reads_at_its_rate(rate_hz, share):
+    due = [RangeFinder(rate_hz=rate_hz).due(frame, 1.0) for frame in range(1000)]
+    assert due[0]
+    assert np.mean(due) == pytest.approx(share, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"sigma_m": 0.0}, {"outlier_share": 1.5}, {"rate_hz": float("nan")}]
+)
+def test_what_cannot_be_is_refused(wrong):
+    with pytest.raises(ScenarioError, match=f"range finder: expected {next(iter(wrong))}"):
+        RangeFinder(**wrong)
