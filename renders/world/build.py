@@ -133,7 +133,7 @@ def _singles(scenario: Scenario) -> World:
 
 
 def _in_colour(scenario: Scenario) -> World:
-    """Single images in colour of white dots, from a first pose; the chaser is there if it has an arm."""
+    """Single images in colour of white dots, from a first pose; a chaser with an arm is there."""
     moving, sensor = _moving(scenario), colour_camera(scenario)
     bodies = Bodies(
         make_target=partial(_dotted_in_colour, scenario),
