@@ -2,7 +2,8 @@
 
 References
 ----------
-NASA ODTBX, gpslinkbudget: C/N0 = P_t + G_t + G_r + 20 log10(lambda / 4 pi d) - 10 log10 T + 228.6 + L.
+NASA ODTBX, gpslinkbudget:
+C/N0 = P_t + G_t + G_r + 20 log10(lambda / 4 pi d) - 10 log10 T + 228.6 + L.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import Floats
-from models.gnss.transmit_pattern import azimuth_averaged_gain_db, transmit_gain_db
 from models.gnss.tracking_noise import WAVELENGTH_M
+from models.gnss.transmit_pattern import azimuth_averaged_gain_db, transmit_gain_db
 
 MINUS_BOLTZMANN_DB = 228.6
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,7 +32,7 @@ class Receiver:
     antenna: ReceiveAntenna
     sensitivity_dbhz: float
     channels: int = 30
-    link: LinkBudget = LinkBudget()
+    link: LinkBudget = field(default_factory=LinkBudget)
 
 
 @dataclass(frozen=True, eq=False)

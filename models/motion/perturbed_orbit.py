@@ -1,4 +1,4 @@
-"""An orbit as it really is: a real gravity field under which the Earth turns, air, light, bodies."""
+"""An orbit as it really is: in a real field under which the Earth turns, in air and light."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
@@ -150,7 +151,7 @@ class PerturbedOrbit:
         radius = float(np.linalg.norm(self.position_m))
         rate_rad_s = float(np.linalg.norm(self.velocity_m_s)) / radius
         bounds = [0.0, *inside, self.duration_s]
-        for start_s, end_s in zip(bounds[:-1], bounds[1:], strict=True):
+        for start_s, end_s in pairwise(bounds):
             middle_s = np.nextafter(end_s, start_s)  # the push of this piece, not of the next
 
             def slope(time_s: float, state: Floats, last_s: float = middle_s) -> Floats:
