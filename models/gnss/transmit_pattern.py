@@ -49,13 +49,12 @@ def transmit_gain_db(off_boresight_rad: Floats, azimuth_rad: Floats) -> Floats:
 
 
 def azimuth_averaged_gain_db(off_boresight_rad: Floats) -> Floats:
-    """Return the mean of the table's decibels over azimuth, (...,), dB.
+    """Return the gain of the power that a whole turn of azimuth takes up, (...,), dB.
 
     Parameters
     ----------
     off_boresight_rad : (...,) array, rad
     """
     rows_deg, gain = _table()
-    return np.interp(
-        np.rad2deg(off_boresight_rad), rows_deg, gain[:, :-1].mean(axis=1), right=BEYOND_DB
-    )
+    mean = 10.0 * np.log10(np.mean(10.0 ** (0.1 * gain[:, :-1]), axis=1))
+    return np.interp(np.rad2deg(off_boresight_rad), rows_deg, mean, right=BEYOND_DB)
