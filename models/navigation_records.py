@@ -107,8 +107,8 @@ def coned_turn(increments_rad: Floats) -> Floats:
     ----------
     increments_rad : (..., n, 3) array, rad
         Turns between samples, each in the body axes of its start. The sum is corrected to second
-        order for the turning of those axes (Magnus): what is left is of the third, below 1e-9 rad
-        over 0.2 s at a degree per second.
+        order for the turning of those axes (Magnus): what is left is of the third, some 1e-9 rad
+        over 0.2 s of coning at a degree per second.
     """
     before = np.cumsum(increments_rad, axis=-2) - increments_rad
     return np.sum(increments_rad + 0.5 * np.cross(before, increments_rad), axis=-2)

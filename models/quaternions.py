@@ -38,7 +38,7 @@ def from_rotation_vector(rotation_vector: Floats) -> Floats:
 
 
 def to_rotation_vector(quaternion: Floats) -> Floats:
-    """Return rotation vectors, (..., 3), rad, of unit quaternions, (..., 4): at most half a turn."""
+    """Return rotation vectors, (..., 3), rad, of unit quaternions, (..., 4)."""
     positive = np.where(quaternion[..., :1] < 0.0, -quaternion, quaternion)
     sine = np.sqrt(np.sum(positive[..., 1:] ** 2, axis=-1, keepdims=True))
     angle = 2.0 * np.arctan2(sine, positive[..., :1])

@@ -30,17 +30,13 @@ from pipelines.absolute.options import AbsoluteOptions
 ABSORBED_S = 10.0  # within which the acceleration left out takes up the accelerometers' bias
 
 
-def modelled_gravity(
-    position: Floats, options: AbsoluteOptions, bodies: tuple[Floats, Floats] | None
-) -> Floats:
-    """Return equation 6, and Sun and Moon where they are given, (..., 3), m/s2.
+def modelled_gravity(position: Floats, options: AbsoluteOptions) -> Floats:
+    """Return equation 6, (..., 3), m/s2.
 
     Parameters
     ----------
     position : (..., 3) array, m
     options : AbsoluteOptions
-    bodies : (sun, moon) or None
-        Their inertial places, (3,) each, m.
     """
     squared = np.sum(position * position, axis=-1, keepdims=True)
     z_share = position[..., 2:] ** 2 / squared
@@ -48,11 +44,21 @@ def modelled_gravity(
     factor = -options.mu_m3_s2 / (squared * np.sqrt(squared))
     across = factor * (1.0 - flat * (5.0 * z_share - 1.0))
     along = factor * (1.0 - flat * (5.0 * z_share - 3.0))
-    pull = np.concatenate([across * position[..., :2], along * position[..., 2:]], axis=-1)
-    if bodies is not None:
-        pull = pull + third_body(position, bodies[0], SUN_MU_M3_S2)
-        pull += third_body(position, bodies[1], MOON_MU_M3_S2)
-    return pull
+    return np.concatenate([across * position[..., :2], along * position[..., 2:]], axis=-1)
+
+
+def tides(position: Floats, bodies: tuple[Floats, Floats]) -> Floats:
+    """Return what Sun and Moon add, (..., 3), m/s2.
+
+    Parameters
+    ----------
+    position : (..., 3) array, m
+    bodies : (sun, moon)
+        Their inertial places, (3,) each, m.
+    """
+    return third_body(position, bodies[0], SUN_MU_M3_S2) + third_body(
+        position, bodies[1], MOON_MU_M3_S2
+    )
 
 
 def carried(
@@ -61,7 +67,7 @@ def carried(
     turn_rad: Floats,
     duration_s: float,
     options: AbsoluteOptions,
-    bodies: tuple[Floats, Floats] | None,
+    tide: Floats | None = None,
     specific_force: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """Return states and attitudes after a step without noise.
@@ -75,7 +81,8 @@ def carried(
         By the gyroscopes, over the step.
     duration_s : float, s
     options : AbsoluteOptions
-    bodies : (sun, moon) or None
+    tide : (..., 3) array or None, m/s2
+        By Sun and Moon; over a spread of kilometres it is the same to 1e-9 m/s2.
     specific_force : (..., 3) array or None, m/s2
         By the accelerometers, body axes.
 
@@ -87,13 +94,14 @@ def carried(
     moved = vector.copy()
     turn = turn_rad - duration_s * vector[..., GYRO_BIAS]
     turned = multiplied(quaternion, from_rotation_vector(turn))
-    left_out = vector[..., ACCELERATION]
-    push = left_out
+    push = vector[..., ACCELERATION]
+    if tide is not None:
+        push = push + tide
     if specific_force is not None:
         push = push + rotated(quaternion, specific_force)
-    start = modelled_gravity(vector[..., POSITION], options, bodies) + push
+    start = modelled_gravity(vector[..., POSITION], options) + push
     moved[..., POSITION] += duration_s * (vector[..., VELOCITY] + 0.5 * duration_s * start)
-    end = modelled_gravity(moved[..., POSITION], options, bodies) + push
+    end = modelled_gravity(moved[..., POSITION], options) + push
     moved[..., VELOCITY] += 0.5 * duration_s * (start + end)
     if options.left_out_fades:
         moved[..., ACCELERATION] *= np.exp(-duration_s / options.left_out_s)

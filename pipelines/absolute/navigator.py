@@ -15,7 +15,7 @@ from models.navigation_records import (
     StarAttitude,
 )
 from models.quaternions import conjugate, mean_quaternion, multiplied
-from pipelines.absolute.dynamics import carried, process_noise_factor
+from pipelines.absolute.dynamics import carried, process_noise_factor, tides
 from pipelines.absolute.error_state import (
     ATTITUDE,
     CLOCK,
@@ -96,7 +96,10 @@ class AbsoluteNavigator:
         """Carry the state over what the inertial unit measured."""
         state, weights, force = self.state, self._weights, interval.specific_force_m_s2
         deviations = sigma_deviations(state.factor, weights)
-        bodies = self._bodies(state.time_s) if self._bodies is not None else None
+        tide = None
+        if self._bodies is not None:
+            middle_s = state.time_s + 0.5 * interval.duration_s
+            tide = tides(state.vector[:, None, POSITION], self._bodies(middle_s))
         points, quaternions = carried(
             state.vector[:, None, :] + deviations,
             multiplied(
@@ -106,7 +109,7 @@ class AbsoluteNavigator:
             interval.turn_rad[:, None, :],
             interval.duration_s,
             self.options,
-            bodies,
+            tide,
             None if force is None else force[:, None, :],
         )
         # About the first point, or a clock of 9e7 m would cost the digits of the others.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,8 @@ class NavigationTask:
         False to use what grazes the ionosphere too.
     each_sample : bool
         Whether the filter steps at 100 Hz.
+    star_rate_hz : int, Hz
+        Of the star sensor.
     faults : Faults
     """
 
@@ -73,7 +75,8 @@ class NavigationTask:
     correlated: bool = False
     mask: bool = True
     each_sample: bool = False
-    faults: Faults = Faults()
+    star_rate_hz: int = 5
+    faults: Faults = field(default_factory=Faults)
 
 
 def navigate(task: NavigationTask) -> Outcome:
@@ -87,8 +90,8 @@ def navigate(task: NavigationTask) -> Outcome:
         ``sigma``, stated, of all 17, root mean square over the runs, (n, 17); ``nees_orbit`` of
         position, velocity and clock (8), ``nees_attitude`` of attitude and gyro bias (6), and with
         a modelled truth ``nees_whole`` of all 17, (n, runs);
-        ``axes`` (n, 3, 3), of run 0's truth, columns radial, along, normal; ``used`` (n,) satellites and ``edited``
-        (n, runs). Seconds of one core, all in one.
+        ``axes`` (n, 3, 3), of run 0's truth, columns radial, along, normal; ``used`` (n,)
+        satellites and ``edited`` (n, runs). Seconds of one core, all in one.
     """
     began = time.process_time()
     options = absolute_options_for(task.variant, task.case.regime)
@@ -97,7 +100,7 @@ def navigate(task: NavigationTask) -> Outcome:
     flight = Flight(task.case, task.duration_s)
     sensors = Sensors(
         InertialUnit(),
-        StarSensor(),
+        StarSensor(rate_hz=task.star_rate_hz),
         TrackingLoops(),
         RangeErrors(ionosphere_m=task.case.ionosphere_m, correlated=task.correlated),
         ReceiverClock(),
@@ -106,7 +109,7 @@ def navigate(task: NavigationTask) -> Outcome:
     )
     motion: TrueMotion = RealMotion(flight)
     if task.modelled:
-        motion = ModelledMotion(flight, options, len(task.runs), 0.2)
+        motion = ModelledMotion(flight, options, len(task.runs), 1.0 / task.star_rate_hz)
     navigator = _started(flight, options, task)
     rows: list[dict[str, Floats]] = []
     for record, truth in sensed(flight, sensors, motion, task.seed, task.runs):

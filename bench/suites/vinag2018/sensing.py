@@ -29,7 +29,6 @@ from models.sensors.inertial_unit import DEG_H, InertialUnit
 from models.sensors.star_sensor import StarSensor
 
 BLOCK_S = 100.0
-FRAMES_A_SECOND = 5
 GRAZING_M = 1_000_000.0  # what passes below it on its way to a high orbit meets the ionosphere
 CLOCK, BIAS, STARS, GYRO, RANGES, MOTION, LASTING, TURN_ON = range(8)
 
@@ -98,7 +97,8 @@ def sensed(
     ------
     (record, None) or (None, truth)
     """
-    frame_s = 1.0 / FRAMES_A_SECOND
+    per_second = round(sensors.stars.rate_hz)
+    frame_s = 1.0 / per_second
     per_block = round(BLOCK_S / frame_s)
     per_frame = round(frame_s / sensors.unit.sample_s)
     satellites = len(flight.constellation)
@@ -111,7 +111,7 @@ def sensed(
     for block in range(int(np.ceil(flight.duration_s / BLOCK_S))):
         first_s = block * BLOCK_S
         times_s = first_s + frame_s * np.arange(1, per_block + 1)
-        whole_s = times_s[FRAMES_A_SECOND - 1 :: FRAMES_A_SECOND]
+        whole_s = times_s[per_second - 1 :: per_second]
         if block == 0:
             motion.block(np.zeros(1), _draws(seed, runs, MOTION, -1, (1, 9)))
         states = motion.block(times_s, _draws(seed, runs, MOTION, block, (per_block, 9)))
@@ -137,9 +137,9 @@ def sensed(
             seen = sensors.stars.measured(turns[frame], stars[:, frame])
             star = StarAttitude(now_s, seen, sensors.stars.covariance_rad2)
             yield sensors.faults.of_stars(star, frame_s), None
-            if (frame + 1) % FRAMES_A_SECOND:
+            if (frame + 1) % per_second:
                 continue
-            second = (frame + 1) // FRAMES_A_SECOND - 1
+            second = (frame + 1) // per_second - 1
             off_m = lasting.after(1.0, lasts[:, second].swapaxes(0, 1))
             epoch = _epoch(
                 sensors,

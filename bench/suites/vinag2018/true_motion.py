@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.suites.vinag2018.flight import Flight
 from models.arrays import Floats
-from pipelines.absolute.dynamics import carried, process_noise_factor
+from pipelines.absolute.dynamics import carried, process_noise_factor, tides
 from pipelines.absolute.error_state import ACCELERATION, POSITION, SIZE, VELOCITY
 from pipelines.absolute.options import AbsoluteOptions
 
@@ -83,12 +83,13 @@ class ModelledMotion:
             if self._time_s is None:
                 self._vector[:, ACCELERATION] = self._options.left_out_m_s2 * draws[:, 0, 6:]
             else:
-                bodies = None
+                tide = None
                 if self._options.third_bodies:
-                    bodies = self._flight.bodies(self._time_s)
+                    bodies = self._flight.bodies(0.5 * (self._time_s + now_s))
+                    tide = tides(self._vector[:, POSITION], bodies)
                 still = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (len(self._vector), 4))
                 self._vector, _ = carried(
-                    self._vector, still, NO_TURN, self._step_s, self._options, bodies
+                    self._vector, still, NO_TURN, self._step_s, self._options, tide
                 )
                 self._vector[:, own] += draws[:, place] @ noise.T
             self._time_s = now_s
