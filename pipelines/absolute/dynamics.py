@@ -74,7 +74,8 @@ def carried(
 
     Parameters
     ----------
-    vector : (..., 17) array
+    vector : (..., n) array
+        The 17 states, and those of the channels.
     quaternion : (..., 4) array
         ``q_inertial_from_body``.
     turn_rad : (..., 3) array, rad
@@ -88,7 +89,7 @@ def carried(
 
     Returns
     -------
-    vector : (..., 17) array
+    vector : (..., n) array
     quaternion : (..., 4) array
     """
     moved = vector.copy()
@@ -106,6 +107,8 @@ def carried(
     if options.left_out_fades:
         moved[..., ACCELERATION] *= np.exp(-duration_s / options.left_out_s)
     moved[..., CLOCK_BIAS] += duration_s * vector[..., CLOCK_DRIFT]
+    if options.slots:
+        moved[..., SIZE:] *= np.exp(-duration_s / options.lasting_s)
     return moved, turned
 
 
@@ -113,7 +116,7 @@ def carried(
 def process_noise_factor(
     options: AbsoluteOptions, duration_s: float, manoeuvring: bool = False
 ) -> Floats:
-    """Return the factor of the process noise of a step, (17, 17).
+    """Return the factor of the process noise of a step, (n, n).
 
     Parameters
     ----------
@@ -124,7 +127,9 @@ def process_noise_factor(
         to take it up.
     """
     t = duration_s
-    noise = np.zeros((SIZE, SIZE))
+    noise = np.zeros((SIZE + options.slots, SIZE + options.slots))
+    fresh = options.lasting_m**2 * -np.expm1(-2.0 * t / options.lasting_s)
+    noise[SIZE:, SIZE:] = fresh * np.eye(options.slots)
     density = options.left_out_density
     if manoeuvring:
         density += 2.0 * options.accelerometer_bias_m_s2**2 / ABSORBED_S

@@ -2,7 +2,8 @@
 
 Position, velocity and the acceleration that the model leaves out are inertial; the attitude error
 is a rotation vector in body axes, ``q_true = q (x) dq(error)``; the clock's bias and drift are kept
-in metres and metres per second, for 300 ms are 9e7 m.
+in metres and metres per second, for 300 ms are 9e7 m. Where the errors of ranges are known to last,
+one more state a channel follows, the error of the satellite that it tracks.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ class AbsoluteState:
     Attributes
     ----------
     time_s : float, s
-    vector : (runs, 17) array
+    vector : (runs, n) array
+        Of 17 states and those of the channels.
         The places of the attitude error hold zeros.
     q_inertial_from_body_wxyz : (runs, 4) array
-    factor : (runs, 17, 17) array
+    factor : (runs, n, n) array
         S of the covariance ``S S'``.
     """
 
@@ -38,5 +40,5 @@ class AbsoluteState:
 
     @property
     def covariance(self) -> Floats:
-        """(runs, 17, 17) array."""
+        """(runs, n, n) array."""
         return self.factor @ self.factor.swapaxes(-1, -2)

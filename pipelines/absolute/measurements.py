@@ -4,26 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arrays import Floats, Mask
+from models.arrays import Floats, Indices, Mask
 from models.gnss.signal_path import lowest_height_m
 from models.navigation_records import GnssEpoch
 from pipelines.absolute.error_state import CLOCK_BIAS, CLOCK_DRIFT, POSITION, VELOCITY
 from pipelines.absolute.options import AbsoluteOptions
 
 
-def ranges_and_rates(vector: Floats, epoch: GnssEpoch) -> Floats:
+def ranges_and_rates(vector: Floats, epoch: GnssEpoch, slots: Indices | None = None) -> Floats:
     """Return pseudoranges, then range rates, (..., 2 m), m and m/s.
 
     Parameters
     ----------
-    vector : (..., 17) array
+    vector : (..., n) array
     epoch : GnssEpoch
         Of m satellites.
+    slots : (m,) int array or None
+        Where in the vector each one's lasting error stands; None where errors do not last.
     """
     x, y, z = (vector[..., POSITION.start + k, None] - epoch.sent_from_m[:, k] for k in range(3))
     distance = np.sqrt(x * x + y * y + z * z)
     u, v, w = (vector[..., VELOCITY.start + k, None] - epoch.sent_at_m_s[:, k] for k in range(3))
     rate = (x * u + y * v + z * w) / distance
+    if slots is not None:
+        distance = distance + vector[..., slots]
     return np.concatenate(
         [distance + vector[..., CLOCK_BIAS, None], rate + vector[..., CLOCK_DRIFT, None]], axis=-1
     )

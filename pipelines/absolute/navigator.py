@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from models.arrays import Floats, Mask
+from models.arrays import Floats, Indices, Mask
 from models.gnss.tracking_noise import SPEED_OF_LIGHT_M_S
 from models.navigation_records import (
     GnssEpoch,
@@ -70,7 +70,11 @@ class AbsoluteNavigator:
         self.state = state
         self.integrity = Integrity(len(state.vector))
         self._bodies = bodies if options.third_bodies else None
-        self._weights = UnscentedWeights(SIZE, options.alpha, options.beta, options.kappa)
+        self._tracked: dict[int, int] = {}  # satellite to slot
+        self._last_s: dict[int, float] = {}
+        self._weights = UnscentedWeights(
+            SIZE + options.slots, options.alpha, options.beta, options.kappa
+        )
 
     def take(self, record: NavigationRecord) -> bool:
         """Take one record; return whether it was used.
@@ -145,10 +149,12 @@ class AbsoluteNavigator:
         self.integrity.note_gnss(verdict)
 
     def _correct_by_gnss(self, epoch: GnssEpoch, verdict: GnssVerdict) -> None:
+        slots = self._slots_of(epoch) if self.options.slots else None
         state, weights = self.state, self._weights
         deviations = sigma_deviations(state.factor, weights)
-        centre = ranges_and_rates(state.vector, epoch)
-        shifts = ranges_and_rates(state.vector[:, None, :] + deviations, epoch) - centre[:, None, :]
+        centre = ranges_and_rates(state.vector, epoch, slots)
+        points = ranges_and_rates(state.vector[:, None, :] + deviations, epoch, slots)
+        shifts = points - centre[:, None, :]
         offset = np.einsum("i,bij->bj", weights.mean, shifts)
         measured = np.concatenate([epoch.pseudorange_m, epoch.range_rate_m_s], axis=-1)
         innovation = measured - centre - offset
@@ -204,15 +210,37 @@ class AbsoluteNavigator:
         )
         self.state = AbsoluteState(self.state.time_s, vector, quaternion, factor)
 
+    def _slots_of(self, epoch: GnssEpoch) -> Indices:
+        """Return where each satellite's lasting error stands; a new one's is not known yet."""
+        told = epoch.satellite.tolist()
+        free = [each for each in range(self.options.slots) if each not in self._tracked.values()]
+        gone = sorted(set(self._tracked) - set(told), key=lambda each: self._last_s[each])
+        fresh = []
+        for satellite in told:
+            self._last_s[satellite] = epoch.time_s
+            if satellite not in self._tracked:
+                slot = free.pop() if free else self._tracked.pop(gone.pop(0))
+                self._tracked[satellite] = slot
+                fresh.append(SIZE + slot)
+        if fresh:
+            factor = self.state.factor.copy()
+            factor[:, fresh] = 0.0
+            known = np.zeros((*factor.shape[:-1], len(fresh)))
+            known[:, fresh, np.arange(len(fresh))] = self.options.lasting_m
+            self.state.vector[:, fresh] = 0.0
+            self.state.factor = lower_factor(np.concatenate([factor, known], axis=-1))
+        return SIZE + np.array([self._tracked[each] for each in told])
+
     def _doubt(self, runs: Mask, orbit: bool) -> None:
         """Widen what a run believes of its orbit and clock, or of its attitude."""
-        wider = np.zeros(SIZE)
+        size = self.state.factor.shape[-1]
+        wider = np.zeros(size)
         if orbit:
             wider[POSITION], wider[VELOCITY] = DOUBT_POSITION_M, DOUBT_VELOCITY_M_S
             wider[CLOCK] = [DOUBT_POSITION_M, DOUBT_VELOCITY_M_S]
         else:
             wider[ATTITUDE] = DOUBT_ATTITUDE_RAD
-        more = np.broadcast_to(np.diag(wider), (int(runs.sum()), SIZE, SIZE))
+        more = np.broadcast_to(np.diag(wider), (int(runs.sum()), size, size))
         self.state.factor[runs] = lower_factor(
             np.concatenate([self.state.factor[runs], more], axis=-1)
         )
@@ -234,16 +262,16 @@ def started_from(
     q_inertial_from_body_wxyz : (runs, 4) array
     time_s : float, s
     """
-    runs = len(position)
-    vector = np.zeros((runs, SIZE))
+    runs, size = len(position), SIZE + options.slots
+    vector = np.zeros((runs, size))
     vector[:, POSITION], vector[:, VELOCITY] = position, velocity
-    factor = np.broadcast_to(np.diag(start_sigmas(options)), (runs, SIZE, SIZE)).copy()
+    factor = np.broadcast_to(np.diag(start_sigmas(options)), (runs, size, size)).copy()
     return AbsoluteState(time_s, vector, np.array(q_inertial_from_body_wxyz), factor)
 
 
 def start_sigmas(options: AbsoluteOptions) -> Floats:
-    """Return 1 sigma of each error state at the start, (17,)."""
-    return np.repeat(
+    """Return 1 sigma of each error state at the start, (n,): 17, and those of the channels."""
+    own = np.repeat(
         [
             options.start_position_m,
             options.start_velocity_m_s,
@@ -255,3 +283,4 @@ def start_sigmas(options: AbsoluteOptions) -> Floats:
         ],
         [3, 3, 3, 3, 3, 1, 1],
     )
+    return np.concatenate([own, np.full(options.slots, options.lasting_m)])

@@ -53,6 +53,10 @@ class AbsoluteOptions:
         What is neglected of it while the satellite manoeuvres.
     range_sigma_m : float, m
         User range error without the receiver's: Table 3, root sum square.
+    lasting_m, lasting_s : float, m and s
+        1 sigma and time constant of the part of that error which lasts, told apart from the rest.
+    slots : int
+        Channels whose lasting error is estimated; 0 where all errors are new at every epoch.
     loops : TrackingLoops
     nominal_cn0_dbhz : float or None, dB-Hz
         At which the receiver's noise is taken for all signals; None takes each signal's own.
@@ -87,6 +91,9 @@ class AbsoluteOptions:
     gyro_bias_s: float = 3600.0
     accelerometer_bias_m_s2: float = 1.5e-4
     range_sigma_m: float = 1.38
+    lasting_m: float = 0.0
+    lasting_s: float = 1.0
+    slots: int = 0
     loops: TrackingLoops = field(default_factory=TrackingLoops)
     nominal_cn0_dbhz: float | None = None
     mask_height_m: float = -np.inf
@@ -118,8 +125,15 @@ class AbsoluteOptions:
         return walk**2, 2.0 * (self.gyro_bias_deg_h * DEG_H) ** 2 / self.gyro_bias_s
 
 
-def absolute_options_for(variant: str, regime: str) -> AbsoluteOptions:
+def absolute_options_for(variant: str, regime: str, lasting: bool = False) -> AbsoluteOptions:
     """Return the settings of a variant for an orbit.
+
+    Parameters
+    ----------
+    variant, regime : str
+    lasting : bool
+        Whether the errors of ranges are known to last. ``paper`` takes them as new at every epoch
+        all the same, as it says.
 
     Raises
     ------
@@ -144,7 +158,7 @@ def absolute_options_for(variant: str, regime: str) -> AbsoluteOptions:
         )
     if variant == "paper":
         return own
-    return replace(
+    best = replace(
         own,
         mu_m3_s2=EGM_MU_M3_S2,
         third_bodies=True,
@@ -152,4 +166,15 @@ def absolute_options_for(variant: str, regime: str) -> AbsoluteOptions:
         edit_sigmas=5.0,
         left_out_fades=True,
         left_out_m_s2=1.75e-4 if regime == "leo" else 2e-7,
+    )
+    if not lasting:
+        return best
+    broadcast_m, ionosphere_m = 1.36, 10.0
+    size_m = float(np.hypot(broadcast_m, ionosphere_m)) if regime == "leo" else broadcast_m
+    return replace(
+        best,
+        range_sigma_m=0.2,
+        lasting_m=size_m,
+        lasting_s=600.0 if regime == "leo" else 7200.0,
+        slots=30,
     )

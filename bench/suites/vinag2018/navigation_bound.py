@@ -64,8 +64,8 @@ def bound(task: BoundTask) -> Outcome:
     -------
     Outcome
         By record (n): ``time_s`` (n,); ``position_m2`` (n, 3, 3), inertial, and ``along_m`` (n, 3),
-        1 sigma along radial, track and normal; ``velocity_m_s`` and ``attitude_rad`` (n, 3), 1 sigma
-        on inertial and on body axes; ``clock`` (n, 2), m and m/s. Seconds of one core.
+        1 sigma along radial, track and normal; ``velocity_m_s`` and ``attitude_rad`` (n, 3),
+        1 sigma on inertial and on body axes; ``clock`` (n, 2), m and m/s. Seconds of one core.
     """
     began = time.process_time()
     options = absolute_options_for(task.variant, task.case.regime)

@@ -28,6 +28,7 @@ from pipelines.absolute.error_state import (
     CLOCK,
     GYRO_BIAS,
     POSITION,
+    SIZE,
     VELOCITY,
 )
 from pipelines.absolute.navigator import AbsoluteNavigator, start_sigmas, started_from
@@ -94,7 +95,7 @@ def navigate(task: NavigationTask) -> Outcome:
         satellites and ``edited`` (n, runs). Seconds of one core, all in one.
     """
     began = time.process_time()
-    options = absolute_options_for(task.variant, task.case.regime)
+    options = absolute_options_for(task.variant, task.case.regime, task.correlated)
     if not task.mask:
         options = replace(options, mask_height_m=-np.inf)
     flight = Flight(task.case, task.duration_s)
@@ -145,7 +146,7 @@ def _is_due(time_s: float, every_s: float) -> bool:
 
 def _errors(navigator: AbsoluteNavigator, truth: TrueInstant, modelled: bool) -> dict[str, Any]:
     state = navigator.state
-    error = np.zeros_like(state.vector)
+    error = np.zeros((len(state.vector), SIZE))
     error[:, : ACCELERATION.stop] = state.vector[:, : ACCELERATION.stop] - truth.motion
     # Attitude: the rotation vector that carries the estimate to the truth, as the filter has it.
     error[:, ATTITUDE] = -to_rotation_vector(
@@ -153,7 +154,7 @@ def _errors(navigator: AbsoluteNavigator, truth: TrueInstant, modelled: bool) ->
     )
     error[:, GYRO_BIAS] = state.vector[:, GYRO_BIAS] - truth.gyro_bias
     error[:, CLOCK] = state.vector[:, CLOCK] - truth.clock
-    covariance = state.covariance
+    covariance = state.covariance[:, :SIZE, :SIZE]
     verdict = navigator.integrity.gnss
     fresh = verdict is not None and abs(verdict.time_s - truth.time_s) < 1e-6
     edited = verdict.edited if verdict is not None and fresh else None
