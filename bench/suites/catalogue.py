@@ -15,9 +15,13 @@ from models.errors import ScenarioError
 RunSuite = Callable[[SuiteRequest, Console], SuiteFiles]
 
 # A suite is a module's ``run_suite``, loaded when it is asked for.
-SUITES = {"pesce2019": "bench.suites.pesce2019.suite"}
+SUITES = {
+    "pesce2019": "bench.suites.pesce2019.suite",
+    "vinag2018": "bench.suites.vinag2018.suite",
+}
 TITLES = {
     "pesce2019": "an uncooperative, known target from corners: Pesce et al. 2019, Tables 5 to 8",
+    "vinag2018": "absolute orbit and attitude, LEO and GEO: VINAG 2018, Figures 5 to 10",
 }
 
 

@@ -192,8 +192,8 @@ class AbsoluteNavigator:
             refused = np.sum(innovation * solved, axis=-1) > self.options.edit_sigmas**2
             verdict.refused = refused
             innovation = np.where(refused[:, None], 0.0, innovation)
-            covariance = np.where(refused[:, None, None], LEFT_OUT**2, 1.0) * covariance
-        noise = np.linalg.cholesky(covariance)
+            covariance = np.where(refused[:, None, None], LEFT_OUT**2 * covariance, covariance)
+        noise: Floats = np.linalg.cholesky(np.asarray(covariance, dtype=np.float64))
         update = measurement_update(deviations, spread, noise, innovation, weights)
         verdict.nis = update.nis
         self._apply(update.correction, update.factor)

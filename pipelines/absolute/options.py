@@ -151,7 +151,7 @@ def absolute_options_for(variant: str, regime: str, lasting: bool = False) -> Ab
     else:
         own = replace(
             own,
-            left_out_m_s2=5.3e-6,
+            left_out_m_s2=2.5e-6,
             left_out_s=4 * 3600.0,
             nominal_cn0_dbhz=30.0,
             mask_height_m=1_000_000.0,

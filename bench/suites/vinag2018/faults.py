@@ -39,6 +39,12 @@ class Faults:
     swapped_frames: int = 0
     swapped_deg: float = 0.0
 
+    @property
+    def start_s(self) -> float:
+        """When the first of them begins, s."""
+        lie_s = self.lie_start_s if self.lie_m else np.inf
+        return min(lie_s, self.gap_start_s, self.swapped_s)
+
     def of_epoch(self, epoch: GnssEpoch) -> GnssEpoch | None:
         """Return what the receiver gives instead; None in a gap."""
         now_s = epoch.time_s

@@ -13,6 +13,7 @@ filtering, IEEE Transactions on Signal Processing 46 (1998), equation 21.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 from bench.suites.units import Outcome
 from bench.suites.vinag2018.cases import Case
 from bench.suites.vinag2018.flight import Flight
-from models.arrays import Floats
+from models.arrays import Floats, Indices
 from models.gnss.range_errors import RangeErrors
 from models.gnss.tracking_noise import TrackingLoops
 from models.motion.perturbed_orbit import lvlh_axes
@@ -114,11 +115,12 @@ class OrbitBound:
         self._noise[:11, :11] = noise @ noise.T
         self._noise[11:, 11:] = np.diag(lasting**2 * (1.0 - self._left**2))
 
-    def steps(self):  # type: ignore[no-untyped-def]
+    def steps(self) -> Iterator[tuple[float, Floats, Floats]]:
         """Yield time, true state (6,) and covariance, (11, 11) and more, second by second."""
         count = round(self._flight.duration_s / STEP_S)
         for first in range(0, count, BLOCK_S):
-            times_s = STEP_S * np.arange(first + 1, min(first + BLOCK_S, count) + 1)
+            last = min(first + BLOCK_S, count)
+            times_s = np.linspace(first + 1, last, last - first, dtype=np.float64) * STEP_S
             states = self._flight.orbit.states(times_s)
             received = self._flight.reception(times_s)
             senders = self._flight.constellation.states(times_s)
@@ -153,7 +155,7 @@ class OrbitBound:
         after[11:, 11:] = before[11:, 11:] * np.outer(self._left, self._left)
         self._covariance = after + self._noise
 
-    def _correct(self, state: Floats, senders: Floats, cn0_dbhz: Floats, heard: Floats) -> None:
+    def _correct(self, state: Floats, senders: Floats, cn0_dbhz: Floats, heard: Indices) -> None:
         count = len(heard)
         away = state[:3] - senders[:, :3]
         distance = np.linalg.norm(away, axis=1, keepdims=True)

@@ -92,7 +92,8 @@ def navigate(task: NavigationTask) -> Outcome:
         position, velocity and clock (8), ``nees_attitude`` of attitude and gyro bias (6), and with
         a modelled truth ``nees_whole`` of all 17, (n, runs);
         ``axes`` (n, 3, 3), of run 0's truth, columns radial, along, normal; ``used`` (n,)
-        satellites and ``edited`` (n, runs). Seconds of one core, all in one.
+        satellites, ``edited`` and ``named``, whether a liar is called one (n, runs). Over all:
+        ``doubts`` and ``refused`` star frames (runs,). Seconds of one core, all in one.
     """
     began = time.process_time()
     options = absolute_options_for(task.variant, task.case.regime, task.correlated)
@@ -118,9 +119,16 @@ def navigate(task: NavigationTask) -> Outcome:
             navigator.take(record)
         elif truth is not None and _is_due(truth.time_s, task.case.record_s):
             rows.append(_errors(navigator, truth, task.modelled))
+            rows[-1]["named"] = np.array(
+                [
+                    task.faults.liar in navigator.integrity.liars(run)
+                    for run in range(len(task.runs))
+                ]
+            )
     values = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     values = {name: each.astype(np.float32) for name, each in values.items()}
-    values["doubts"] = navigator.integrity.doubts
+    values["doubts"] = navigator.integrity.doubts.astype(np.float32)
+    values["refused"] = navigator.integrity.refused_stars.astype(np.float32)
     return Outcome(values, np.array([time.process_time() - began]))
 
 

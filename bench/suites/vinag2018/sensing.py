@@ -110,13 +110,14 @@ def sensed(
     wandering = sensors.unit.gyro_bias_deg_h * DEG_H * turn_on[:, 1]
     for block in range(int(np.ceil(flight.duration_s / BLOCK_S))):
         first_s = block * BLOCK_S
-        times_s = first_s + frame_s * np.arange(1, per_block + 1)
+        times_s = first_s + frame_s * np.arange(1.0, per_block + 1.0)
         whole_s = times_s[per_second - 1 :: per_second]
         if block == 0:
             motion.block(np.zeros(1), _draws(seed, runs, MOTION, -1, (1, 9)))
         states = motion.block(times_s, _draws(seed, runs, MOTION, block, (per_block, 9)))
         turns = flight.attitude.quaternions(times_s)
-        samples_s = first_s + sensors.unit.sample_s * (np.arange(per_block * per_frame) + 0.5)
+        samples = np.arange(per_block * per_frame, dtype=np.float64)
+        samples_s = np.asarray(first_s + sensors.unit.sample_s * (samples + 0.5))
         rates = flight.attitude.rates(samples_s).reshape(per_block, per_frame, 3)
         gyro = _draws(seed, runs, GYRO, block, (per_block, per_frame, 3))
         stars = _draws(seed, runs, STARS, block, (per_block, 3))
