@@ -13,8 +13,8 @@ from models.gravity.field import MU_M3_S2
 from models.motion.perturbed_orbit import PerturbedOrbit, lvlh_axes
 
 TOLERANCE = 1e-12
-LONGEST_STEP_S = 20.0  # the dense output is of lower order than the steps
-TABLE_STEP_S = 10.0
+LONGEST_STEP_RAD = 0.02  # of the orbit: the dense output is of lower order than the steps
+KNOT_RAD = 0.01  # of the orbit
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,16 +55,15 @@ class GravityGradientAttitude:
             [moments[2] - moments[1], moments[0] - moments[2], moments[1] - moments[0]]
         )
         end_s = self.orbit.duration_s
-        times_s = np.linspace(0.0, end_s, max(8, int(end_s / TABLE_STEP_S)))
-        states = self.orbit.states(times_s)
-        place = CubicSpline(times_s, states[:, :3])  # 1e-4 m between its knots: far below need
+        first = self.orbit.states(np.zeros(1))[0]
+        speed = float(np.linalg.norm(np.cross(first[:3], first[3:])) / (first[:3] @ first[:3]))
+        knots_s = np.linspace(0.0, end_s, max(8, int(end_s * speed / KNOT_RAD)))
+        place = CubicSpline(knots_s, self.orbit.states(knots_s)[:, :3])  # torque needs no more
 
-        first = states[0]
         axes = lvlh_axes(first[:3], first[3:])
         nominal = np.stack([axes[:, 1], -axes[:, 2], -axes[:, 0]], axis=1)
         off = Rotation.from_rotvec(self.off_deg, degrees=True)
         attitude = Rotation.from_matrix(nominal) * off
-        speed = float(np.linalg.norm(np.cross(first[:3], first[3:])) / (first[:3] @ first[:3]))
         omega = off.inv().apply([0.0, -speed, 0.0])
 
         def slope(time_s: float, state: Floats) -> Floats:
@@ -97,7 +96,7 @@ class GravityGradientAttitude:
             dense_output=True,
             rtol=TOLERANCE,
             atol=TOLERANCE * np.array([*3 * [speed], *4 * [1.0]]),
-            max_step=LONGEST_STEP_S,
+            max_step=LONGEST_STEP_RAD / speed,
         )
         if not found.success or found.sol is None:
             raise RuntimeError(f"the attitude could not be integrated: {found.message}")

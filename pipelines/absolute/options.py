@@ -165,7 +165,7 @@ def absolute_options_for(variant: str, regime: str, lasting: bool = False) -> Ab
         nominal_cn0_dbhz=None,
         edit_sigmas=5.0,
         left_out_fades=True,
-        left_out_m_s2=1.75e-4 if regime == "leo" else 2e-7,
+        left_out_m_s2=1.75e-4 if regime == "leo" else 1.3e-7,
     )
     if not lasting:
         return best

@@ -172,7 +172,7 @@ def _others(outcomes: Outcomes, results: Results) -> list[Section]:
         sections.append(
             Section(
                 "Faults",
-                text="LEO, best; each fault begins at 600 s.",
+                text="LEO, best; each fault begins at 200 s.",
                 figures=(
                     Figure(
                         svg_address(

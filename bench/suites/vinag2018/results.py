@@ -19,6 +19,9 @@ from bench.suites.vinag2018.summaries import (
     stacked,
 )
 
+LAST_S = 100.0  # of a flight with a fault: well after it
+STARTED_S = 60  # seconds of a sampled flight that are left out
+
 
 @dataclass(frozen=True)
 class Flown:
@@ -64,7 +67,7 @@ class FaultOutcome:
     worst_m, worst_deg : float
         Largest errors from its start on, of all runs.
     after_m, after_deg : float
-        Root mean square over the last 300 s.
+        Root mean square over the last 100 s.
     """
 
     name: str
@@ -175,7 +178,7 @@ class Outcomes:
         size_m = np.linalg.norm(stacked(outcomes, "position_m"), axis=-1)
         size_deg = np.rad2deg(np.linalg.norm(stacked(outcomes, "attitude_rad"), axis=-1))
         start_s = fault.start_s
-        since, last = time_s >= start_s, time_s > time_s[-1] - 300.0
+        since, last = time_s >= start_s, time_s > time_s[-1] - LAST_S
         if fault.lie_m:
             told = stacked(outcomes, "named") > 0.0
         elif fault.swapped_frames:
@@ -201,11 +204,11 @@ class Outcomes:
         sums, steps = (self.flights(cell) for cell in self.plan.flights("sampling"))
         rms = [
             [
-                float(np.sqrt(np.mean(stacked(own, name)[60:] ** 2)))
+                float(np.sqrt(np.mean(stacked(own, name)[STARTED_S:] ** 2)))
                 for name in ("position_m", "attitude_rad")
             ]
             for own in (sums, steps)
         ]
-        apart = np.abs(stacked(sums, "position_m") - stacked(steps, "position_m"))[60:, 0]
-        sigma = sums[0].values["sigma"][60:, :3]
+        apart = np.abs(stacked(sums, "position_m") - stacked(steps, "position_m"))[STARTED_S:, 0]
+        sigma = sums[0].values["sigma"][STARTED_S:, :3]
         return Sampled(rms[1][0] / rms[0][0], rms[1][1] / rms[0][1], float((apart / sigma).max()))
