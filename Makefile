@@ -19,7 +19,7 @@ help:
 	@echo "make setup   only set up what the others need, in $(VENV)"
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
 	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
-	@echo "make judges  hold exported datasets against readers that are not ours, in $(JUDGES)"
+	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
 	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES) and caches; what was rendered under out/ stays"
 

@@ -18,8 +18,8 @@ from models.sky.earth_rotation import earth_from_inertial
 from models.sky.moon_ephemeris import MOON_MU_M3_S2, moon_position_in_inertial
 from models.sky.sun_ephemeris import sun_position_in_inertial
 
-RELATIVE_TOLERANCE, POSITION_TOLERANCE_M, SPEED_TOLERANCE_M_S = 1e-12, 1e-5, 1e-8
-LONGEST_STEP_RAD = 0.1  # of the orbit: what lies between two steps is of lower order than they
+RELATIVE_TOLERANCE, POSITION_TOLERANCE_M, SPEED_TOLERANCE_M_S = 1e-13, 1e-6, 1e-9
+LONGEST_STEP_RAD = 0.0125  # of the orbit: longer ones step over the penumbra, metres a day
 
 
 @dataclass(frozen=True)
