@@ -10,7 +10,7 @@ RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
 
-.PHONY: help demo test check lint setup oracle speed judges lock clean
+.PHONY: help demo test check lint setup oracle speed grain judges lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -19,6 +19,7 @@ help:
 	@echo "make setup   only set up what the others need, in $(VENV)"
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
 	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
+	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
 	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
 	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES) and caches; what was rendered under out/ stays"
@@ -71,6 +72,10 @@ speed: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
 	@scripts/make_oracle.sh $(ORACLE)
 	$(PYTHON) -P -m bench.cycles.speed
+
+grain: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	$(PYTHON) -P -m bench.grain.table
 
 judges: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)

@@ -37,9 +37,9 @@ from renders.store.kept_light import checked_budget, keeping
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant
-from renders.world.bounced_choice import told
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
+from renders.world.sun_paths import told
 from renders.world.told import markers_are_told_otherwise
 from renders.world.world import World
 
@@ -113,7 +113,7 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
         f"{world.scenario.name}, Sun {world.scenario.sun.default}: {info.frames} {frames} at "
         f"{world.camera.width} x {world.camera.height}, {variant}; "
         f"{len(there)} of {len(world.exposures)} exposures are there already; "
-        f"{told(keys.seen_from, len(world.suns))}",
+        f"{told(keys.sun_paths, len(world.suns))}",
         soft_wrap=True,
         markup=False,
     )

@@ -26,12 +26,13 @@ from renders.world.noise_limits import noise_limits
 from renders.world.world import World
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
-    from renders.tracing.bounced.bounced_light import BouncedLight
-    from renders.tracing.bounced.field import BouncedFields, LandedLight
-    from renders.tracing.bounced.photons import Landed
+    from renders.tracing.light_paths.from_sun import FromSun
+    from renders.tracing.light_paths.landed import Landed
+    from renders.tracing.light_paths.sunlit import Sunlit
+    from renders.tracing.light_paths.to_lens import Landings
     from renders.truth.pixel_truth import PixelTruth
 
-BOUNCED_SEED = 0xB0
+SUN_SEED = 0xB0
 
 
 @dataclass(eq=False)
@@ -46,9 +47,9 @@ class Studio:
     geometry: Any = None
     placed_cam_from_target: RigidTransform | None = None
     kept: LightKeeping = ALL_LIGHT
-    bounced: BouncedLight | None = None
-    _landed: dict[SunGroup, LandedLight] = field(default_factory=dict, init=False)
-    """Bounced light that was traced or read, by its Sun."""
+    sunlit: Sunlit | None = None
+    _landed: dict[SunGroup, Landings] = field(default_factory=dict, init=False)
+    """Bounced light that was followed or read, by its Sun."""
     _filled: tuple[RigidTransform, Mask | None] | None = field(default=None, init=False)
     """A pose, and the pixels that spacecraft can fill from there."""
 
@@ -142,46 +143,46 @@ class Studio:
                 max_depth=render.max_depth,
                 seed=self.world.render_seed(exposure.frame),
                 noise=noise_limits(self.world, exposure, groups, self.keys.prior),
-                fields=self._fields(exposure, cam_from_target, groups),
+                found=self._found(exposure, cam_from_target, groups),
             ),
             in_view,
         )
 
-    def _fields(
+    def _found(
         self, exposure: Exposure, cam_from_target: RigidTransform, groups: Sequence[LightGroup]
-    ) -> BouncedFields:
-        """Return where bounced light of some groups is looked up at an exposure."""
-        from renders.tracing.bounced.bounced_light import BouncedLight
-        from renders.tracing.bounced.field import NO_FIELDS
+    ) -> FromSun:
+        """Return what of some groups' light is found from their Suns at an exposure."""
+        from renders.tracing.light_paths.from_sun import NOTHING
+        from renders.tracing.light_paths.sunlit import Sunlit
+        from renders.tracing.light_paths.to_lens import Landings
 
-        suns = [g for g in groups if isinstance(g, SunGroup) and self.keys.looks_up(g)]
-        if not suns or self.keys.seen_from is None:
-            return NO_FIELDS
-        render = self.world.scenario.render
-        if self.bounced is None:
-            poses, depth = self.keys.seen_from, render.max_depth
-            self.bounced = BouncedLight.around(self.geometry, self.world.camera, poses, depth)
-        lights = {}
+        chosen = self.keys.sun_paths
+        suns = [group for group in groups if isinstance(group, SunGroup)]
+        if not suns or chosen is None:
+            return NOTHING
+        if self.sunlit is None:
+            depth = self.world.scenario.render.max_depth
+            self.sunlit = Sunlit(self.geometry, self.world.camera, depth, chosen.footprint_m2)
+        seed = self.world.render_seed(exposure.frame)
+        placed = (self.scene, cam_from_target, chosen.paths, seed)
+        if not chosen.once:
+            return self.sunlit.found_now(suns, *placed)
         for sun in suns:
             if sun not in self._landed:
-                self._landed[sun] = self.bounced.loaded(self._bounced_light(sun))
-            lights[sun.name] = self._landed[sun]
-        seed = self.world.render_seed(exposure.frame)
-        return self.bounced.with_chaser(
-            lights, self.scene, cam_from_target, suns, render.paths, seed
-        )
+                self._landed[sun] = Landings.load(self._bounced_light(sun, self.sunlit))
+        return self.sunlit.found({sun: self._landed[sun] for sun in suns}, *placed)
 
-    def _bounced_light(self, sun: SunGroup) -> Landed:
-        """Take a Sun's bounced light from the store, or trace it."""
-        from renders.tracing.bounced.photons import Landed
+    def _bounced_light(self, sun: SunGroup, sunlit: Sunlit) -> Landed:
+        """Take a Sun's bounced light from the store, or follow it."""
+        from renders.tracing.light_paths.landed import Landed
 
         key, render = self.keys.bounced(sun), self.world.scenario.render
         there = self.store.read_channels(key)
         if there is not None and set(there) == set(Landed.CHANNELS):
             return Landed.of_channels(there)
-        assert self.bounced is not None
-        seed = int(np.random.SeedSequence([render.seed, BOUNCED_SEED]).generate_state(1)[0])
-        landed = self.bounced.landed(sun, render.paths, seed)
+        assert self.keys.sun_paths is not None
+        seed = int(np.random.SeedSequence([render.seed, SUN_SEED]).generate_state(1)[0])
+        landed = sunlit.landed(sun, self.keys.sun_paths.paths, seed)
         if self.kept.uses_store:
             self.store.write_channels(key, landed.channels())
         return landed

@@ -99,16 +99,12 @@ class RenderTable(Table):
         le=100,
         description="of the light, in units of the detector's own, to which each pixel is sampled",
     )
-    bounced: Literal["auto", "looked_up", "traced"] = Field(
-        "auto",
-        description="sunlight that met a surface before: traced once for all exposures and looked "
-        "up, or traced in each; auto: looked up with noise typed, where that saves time",
-    )
     paths: int = Field(
-        2**23,
-        ge=1000,
+        0,
+        ge=0,
         le=2**28,
-        description="of sunlight that are followed once for each Sun where it is looked up",
+        description="of sunlight that are followed from each Sun to what mirrors throw it onto, "
+        "once for all exposures where it stands still; 0: all light is found from the lens",
     )
     marker_samples: int = Field(
         4096, ge=1, le=65_536, description="per pixel in the marker windows"

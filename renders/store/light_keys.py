@@ -11,10 +11,10 @@ import numpy as np
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from renders.store.radiance_store import entry_key
-from renders.tracing.light_groups import LightGroup
-from renders.world.bounced_choice import seen_from
+from renders.tracing.light_groups import LightGroup, SunGroup
 from renders.world.exposure import Exposure
 from renders.world.noise_limits import noise_limits
+from renders.world.sun_paths import sun_paths
 from renders.world.world import World
 
 PHYSICS_VERSION = 7  # raise it when the same scenario gives other light
@@ -48,7 +48,7 @@ class LightKeys:
     def __init__(self, world: World, family: str) -> None:
         self.world = world
         render = world.scenario.render.model_dump()
-        for name in ("seed", "noise", "bounced", "paths"):
+        for name in ("seed", "noise", "paths"):
             render.pop(name)  # what they make of a group's light is in its own key
         self.common: dict[str, Any] = {
             "physics": PHYSICS_VERSION,
@@ -59,7 +59,7 @@ class LightKeys:
             "camera": asdict(world.camera),
             "render": render,
         }
-        self.seen_from = seen_from(world, family == "jit")
+        self.sun_paths = sun_paths(world) if family == "jit" else None
         self.prior = world.onboard(0).prior
 
     def _placed(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, Any]:
@@ -82,25 +82,25 @@ class LightKeys:
         kind = {"kind": type(group).__name__, "group": asdict(group)}
         limits = noise_limits(self.world, exposure, [group], self.prior)
         noise = None if limits is None else asdict(limits[group.name])
-        bounced = self.bounced(group) if self.looks_up(group) else None
-        made = {"noise": noise, "bounced": bounced}
+        made = {"noise": noise, "found": self._found(group)}
         return entry_key({**self._placed(exposure, cam_from_target), **kind, **made})
 
-    def looks_up(self, group: LightGroup) -> bool:
-        """Whether a group's bounced light is looked up: a Sun's that stands as it was typed."""
-        return self.seen_from is not None and group in self.world.suns
+    def _found(self, group: LightGroup) -> Any:
+        """Return what shapes the light that is found from the Sun, if any."""
+        if self.sun_paths is None or not isinstance(group, SunGroup):
+            return None
+        return self.bounced(group) if self.sun_paths.once else asdict(self.sun_paths)
 
-    def bounced(self, group: LightGroup) -> str:
-        """Return the key of a Sun's bounced light, traced once for all exposures."""
+    def bounced(self, group: SunGroup) -> str:
+        """Return the key of a Sun's bounced light, followed once for all exposures."""
+        assert self.sun_paths is not None
         render = self.world.scenario.render
         return entry_key(
             {
                 **{name: self.common[name] for name in ("physics", "family", "target", "optics")},
                 "kind": "bounced",
-                "camera": self.common["camera"],
-                "poses": [pose.matrix().tolist() for pose in self.seen_from or ()],
+                "paths": asdict(self.sun_paths),
                 "max_depth": render.max_depth,
-                "paths": render.paths,
                 "seed": render.seed,
                 "group": asdict(group),
             }

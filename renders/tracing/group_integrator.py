@@ -23,11 +23,13 @@ import numpy as np
 from models.arrays import AnyArray, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
-from renders.tracing.bounced.field import NO_FIELDS, BouncedFields
 from renders.tracing.camera_plugin import ray_direction_in_cam
 from renders.tracing.kernel_lights import light_of
 from renders.tracing.leaving import leaving
 from renders.tracing.light_groups import LightGroup
+from renders.tracing.light_paths.from_sun import NOTHING, FromSun
+from renders.tracing.light_paths.pixel_solid_angle import solid_angle
+from renders.tracing.light_paths.weights import lens_end, projected, share_from_lens
 from renders.tracing.sample_sequence import points_2d
 from renders.tracing.surface_table import SurfaceTable
 
@@ -44,15 +46,6 @@ def power_share(one: Any, other: Any) -> Any:
     return 1.0 / (1.0 + ratio * ratio)
 
 
-def _others_want(lights: Any, fields: Any, limits: Any, index: Any) -> Any:
-    """Tell whether lights whose bounced light is not looked up want a sample."""
-    others = [n for n, light in enumerate(lights) if light.name not in fields.names]
-    wanted = mi.Bool(bool(others) and not limits)
-    for number in others if limits else ():
-        wanted |= index < limits[number]
-    return wanted
-
-
 @dr.syntax(recursive=False)  # type: ignore[untyped-decorator]
 def _trace(
     scene: Any,
@@ -60,7 +53,7 @@ def _trace(
     bands: Any,
     ray_of: Any,
     lights: Any,
-    fields: Any,
+    paths: Any,
     pixels: Any,
     first: Any,
     last: Any,
@@ -86,14 +79,14 @@ def _trace(
     index = mi.UInt32(first)
     while index < last:
         place = points_2d(index, key, mi.UInt32(0))
-        ray = ray_of(column + place.x - 0.5, row + place.y - 0.5)
+        ray, pixel_sr = ray_of(column + place.x - 0.5, row + place.y - 0.5)
         throughput = {band: mi.Float(1.0) for band in bands}
         depth = mi.UInt32(0)
         active = mi.Bool(True)
-        served = mi.Bool(False)  # bounced light was looked up: its lights are done on this path
+        met_chaser = mi.Bool(False)
+        ratio = mi.Float(1.0)  # of what the Sun finds over what the lens does; see ``weights``
         ray_density = mi.Float(dr.inf)  # of its direction; the camera's rays are certain
         faint = FAINT / mi.Float(index - first + 1)
-        others_go_on = _others_want(lights, fields, limits, index)
         before = [mi.Float(each) for each in sums]
         after_first = [mi.Float(each) for each in sums]
         while active:
@@ -101,6 +94,10 @@ def _trace(
             escaped = active & ~si.is_valid()
             active &= si.is_valid() & (depth < max_depth)
             surface = surfaces.seen(si, ray, bands, active)
+            if dr.hint(len(paths.names) > 0, mode="scalar"):
+                end = lens_end(surface.normal, -ray.d, si.t, pixel_sr)
+                ratio = dr.select(depth == 0, end, ratio)
+                met_chaser |= paths.meets_chaser(si.shape, active)
             pair = 1 + depth * PAIRS_PER_VERTEX
             disc = mi.warp.square_to_uniform_disk_concentric(points_2d(index, key, pair))
             choice = points_2d(index, key, pair + 1)
@@ -108,8 +105,6 @@ def _trace(
                 wanted = mi.Bool(active)
                 if dr.hint(len(limits) > 0, mode="scalar"):
                     wanted &= index < limits[number]
-                if dr.hint(light.name in fields.names, mode="scalar"):
-                    wanted &= ~served
                 if dr.hint(light.wide, mode="scalar"):
                     arrived = throughput[light.channel] * light.radiance(ray.d)
                     arrived *= power_share(ray_density, light.density)
@@ -119,6 +114,11 @@ def _trace(
                 share *= throughput[light.channel] * irradiance
                 if dr.hint(light.wide, mode="scalar"):
                     share *= power_share(light.density, surface.density(towards))
+                if dr.hint(light.name in paths.names, mode="scalar"):
+                    from_sun = projected(surface.density_back(towards), surface.normal, -ray.d)
+                    from_sun *= ratio * paths.of(light.name, met_chaser)
+                    from_sun *= dr.abs(dr.dot(surface.normal, towards))
+                    share *= dr.select(depth == 0, 1.0, share_from_lens(from_sun))
                 least = faint * sums[number]
                 facing = wanted & surface.faces(towards) & (share > choice.y * least)
                 shadow = leaving(si.p, surface.normal, towards)
@@ -127,21 +127,13 @@ def _trace(
                 sums[number] += dr.select(facing & ~dark, dr.maximum(share, least), 0.0)
             for number in range(len(moments)):
                 after_first[number] = dr.select(depth == 0, sums[number], after_first[number])
-            if dr.hint(len(fields.names) > 0, mode="scalar"):
-                looks = active & ~served & surface.is_rough & (depth + 1 < max_depth)
-                found, brought = fields.looked_up(
-                    si.p, si.shape, surface, index, key, depth, looks, lights
-                )
-                for number, light in enumerate(lights):
-                    if dr.hint(light.name in fields.names, mode="scalar"):
-                        bounced = throughput[light.channel] * brought[light.name]
-                        sums[number] += dr.select(found, bounced, 0.0)
-                served |= found
             depth += 1
             active &= (depth < segments) & surface.reflects
-            if dr.hint(len(fields.names) > 0, mode="scalar"):
-                active &= ~served | others_go_on
             direction, ray_density, weights = surface.sample(points_2d(index, key, pair + 2))
+            if dr.hint(len(paths.names) > 0, mode="scalar"):
+                back = projected(surface.density_back(direction), surface.normal, -ray.d)
+                ratio *= dr.select(depth == 1, 1.0, back)
+                ratio /= dr.maximum(projected(ray_density, surface.normal, direction), 1e-9)
             carried = mi.Bool(False)
             for band in bands:
                 throughput[band] *= weights[band]
@@ -234,8 +226,8 @@ class Walk:
     groups : sequence of LightGroup
     max_depth : int
         Surface interactions a path may have; 1 is direct light only.
-    fields : BouncedFields
-        Where bounced light of some groups is looked up instead of traced.
+    found : FromSun
+        What of some groups' light is found from the Sun, and not by this walk.
     """
 
     def __init__(
@@ -246,9 +238,10 @@ class Walk:
         cam_from_target: RigidTransform,
         groups: Sequence[LightGroup],
         max_depth: int,
-        fields: BouncedFields = NO_FIELDS,
+        found: FromSun = NOTHING,
     ) -> None:
-        self.scene, self.surfaces, self.camera, self.fields = scene, surfaces, camera, fields
+        self.scene, self.surfaces, self.camera = scene, surfaces, camera
+        self.paths = found.kernel()
         self.groups, self.max_depth = groups, max_depth
         target_from_cam = cam_from_target.inverse()
         self.rotation = [
@@ -260,11 +253,15 @@ class Walk:
         )
         self.lights = [light_of(group, cam_from_target) for group in groups]
 
-    def ray_of(self, u: Any, v: Any) -> Any:
-        """Return the ray through a pixel, target frame; pixel centres are integers."""
+    def ray_of(self, u: Any, v: Any) -> tuple[Any, Any]:
+        """Return the ray through a pixel, target frame, and the pixel's solid angle, sr.
+
+        Pixel centres are integers.
+        """
         in_cam = ray_direction_in_cam(self.camera, u, v)
         x, y, z = self.rotation
-        return mi.Ray3f(self.lens, dr.normalize(x * in_cam.x + y * in_cam.y + z * in_cam.z))
+        ray = mi.Ray3f(self.lens, dr.normalize(x * in_cam.x + y * in_cam.y + z * in_cam.z))
+        return ray, solid_angle(self.camera, in_cam.x / in_cam.z, in_cam.y / in_cam.z)
 
     def __call__(
         self,
@@ -302,7 +299,7 @@ class Walk:
             sorted({light.channel for light in self.lights}),
             self.ray_of,
             self.lights,
-            self.fields,
+            self.paths,
             pixels,
             first,
             last,
@@ -325,13 +322,13 @@ def trace_groups(
     samples: int,
     max_depth: int,
     seed: int,
-    fields: BouncedFields = NO_FIELDS,
+    found: FromSun = NOTHING,
 ) -> dict[str, Radiance]:
     """Path-trace some pixels for all groups at once, as many samples in each.
 
     Parameters
     ----------
-    scene, surfaces, camera, cam_from_target, groups, max_depth, fields
+    scene, surfaces, camera, cam_from_target, groups, max_depth, found
         As ``Walk`` has them.
     pixels : (n,) uint32 array
         Indices ``row * width + column``.
@@ -343,7 +340,7 @@ def trace_groups(
     -------
     dict of (n,) float32 arrays, W m-2 sr-1, by group name.
     """
-    walk = Walk(scene, surfaces, camera, cam_from_target, groups, max_depth, fields)
+    walk = Walk(scene, surfaces, camera, cam_from_target, groups, max_depth, found)
     on_cuda = dr.backend_v(mi.Float) == dr.JitBackend.CUDA
     shares = lanes_per_pixel(samples, CUDA_SAMPLES if on_cuda else 1)
     # The samples of a pixel lie side by side: lanes that are walked together see one place.

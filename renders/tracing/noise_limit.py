@@ -11,7 +11,6 @@ from models.arrays import AnyArray, Floats
 LEAST = 4  # samples of a pixel
 MOST_SHARE = 64.0  # times the inverse square of the limit: a pixel that asks for more stays noisier
 SPREAD = 2.9  # samples spread evenly err by so much less than the law below has it (measured)
-BOUNCED_SPREAD = 2.0  # of the noise a part is of the paths that landed, which no sample lessens
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +69,7 @@ class NoiseLimit:
         signal = pilot.mean * scale
         limit = self.share * np.sqrt(signal + self.read_noise_e**2 + (0.01 * signal) ** 2)
         straight = (pilot.straight_deviation * scale / (SPREAD * limit)) ** (4.0 / 3.0)
-        bounced = (pilot.bounced_deviation * scale / (BOUNCED_SPREAD * limit)) ** 2
+        bounced = (pilot.bounced_deviation * scale / limit) ** 2
         count = np.clip(straight + bounced, LEAST, max(LEAST, MOST_SHARE / self.share**2))
         full = signal - 3.0 * pilot.straight_deviation * scale > self.full_well_e
         return np.where(full, LEAST, 2.0 ** np.ceil(np.log2(count))).astype(np.uint32)

@@ -22,10 +22,10 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.adaptive import trace_to_noise
-from renders.tracing.bounced.field import NO_FIELDS, BouncedFields
 from renders.tracing.emitter_by_emitter import render_group
 from renders.tracing.group_integrator import Walk, trace_groups
 from renders.tracing.light_groups import LampGroup, LightGroup
+from renders.tracing.light_paths.from_sun import NOTHING, FromSun
 from renders.tracing.marker_lobes import add_lobes
 from renders.tracing.noise_limit import NoiseLimit
 from renders.tracing.scene import SceneGeometry
@@ -52,8 +52,8 @@ class Sampling:
     seed : int
     noise : mapping of NoiseLimit, optional
         By the name of a group, what each pixel is traced to instead of ``samples`` (JIT variants).
-    fields : BouncedFields
-        Where bounced light is looked up instead of traced (JIT variants).
+    found : FromSun
+        What is found from the Sun, and not from the lens (JIT variants).
     """
 
     samples: int
@@ -61,7 +61,7 @@ class Sampling:
     max_depth: int
     seed: int
     noise: Mapping[str, NoiseLimit] | None = None
-    fields: BouncedFields = NO_FIELDS
+    found: FromSun = NOTHING
 
 
 @lru_cache(maxsize=2)
@@ -183,8 +183,8 @@ def render_radiance(
     surfaces, samples = geometry.surfaces, sampling.samples
     traced: dict[str, Radiance] = {}
     if len(tiled) and sampling.noise is not None:
-        depth, fields = sampling.max_depth, sampling.fields
-        walk = Walk(scene, surfaces, camera, cam_from_target, groups, depth, fields)
+        depth, found = sampling.max_depth, sampling.found
+        walk = Walk(scene, surfaces, camera, cam_from_target, groups, depth, found)
         shape = (camera.height, camera.width)
         traced = trace_to_noise(walk, tiled, shape, sampling.noise, sampling.seed)
     elif len(tiled):  # Dr.Jit traces no empty work
@@ -208,6 +208,8 @@ def render_radiance(
             fine = _traced(scene, surfaces, camera, cam_from_target, lit, pixels, samples, sampling)
             for name, light in fine.items():
                 images[name][pixels] = light
+    for name, light in sampling.found.images.items():
+        images[name] += light
     return {name: image.reshape(camera.height, camera.width) for name, image in images.items()}
 
 
@@ -231,7 +233,7 @@ def _traced(
         samples=samples,
         max_depth=sampling.max_depth,
         seed=sampling.seed,
-        fields=sampling.fields,
+        found=sampling.found,
     )
 
 

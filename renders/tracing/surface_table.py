@@ -20,7 +20,6 @@ import numpy as np
 from renders.tracing.retroreflector import active_aperture
 from renders.tracing.surfaces import Surface
 
-LEAST_ROUGH = 0.075  # a narrower lobe is followed by rays, not looked up
 RETURN_SHARE = 0.5  # of the directions drawn at a retroreflector that go back to where light came
 
 
@@ -147,11 +146,6 @@ class SurfaceSeen:
             self.glass_index = of(table.glass_index)
             self.return_share = of(table.return_share)
 
-    @property
-    def is_rough(self) -> Any:
-        """Whether the mirror lobe is wider than what bounced light is kept in."""
-        return self.roughness > LEAST_ROUGH
-
     def _slant(self, cosine: Any) -> Any:
         """Return ``c (1 + 2 Lambda)`` of Smith's shadowing, whose G1 is ``2 c / (c + that)``."""
         squared = cosine * cosine
@@ -209,6 +203,24 @@ class SurfaceSeen:
         spread = self._spread(cosine, self._half_squared(towards))
         facets = self.seen_facets / (spread * spread)
         face = self.mirror_share * facets + (1.0 - self.mirror_share) * cosine / dr.pi
+        return self._with_cone(face, towards)
+
+    def density_back(self, towards: Any) -> Any:
+        """Return the density with which ``sample`` would draw the viewer, seen from a direction.
+
+        Parameters
+        ----------
+        towards : Vector3f
+            Unit vector towards what would be the viewer.
+        """
+        cosine = dr.dot(self.shading_normal, towards)
+        spread = self._spread(cosine, self._half_squared(towards))
+        facets = 0.5 * self.width / (dr.pi * (cosine + self._slant(cosine)) * spread * spread)
+        face = self.mirror_share * facets + (1.0 - self.mirror_share) * self.cosine / dr.pi
+        return self._with_cone(face, towards)
+
+    def _with_cone(self, face: Any, towards: Any) -> Any:
+        """Return a density with what retroreflectors draw back to where light came from."""
         if self.returned is None:
             return face
         within = dr.dot(self.towards_viewer, towards) >= self.cone_cosine

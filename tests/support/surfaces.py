@@ -87,3 +87,13 @@ def chi_square(surface: Surface, towards_viewer: Floats, samples: int, **resolut
         sample_count=samples,
         **resolution,
     )
+
+
+def density_back(surface: Surface, towards_viewer: Floats, towards_light: Floats) -> Floats:
+    """Return the density with which the viewer would be drawn from the light's side, (n,), 1/sr."""
+    import mitsuba as mi
+
+    viewer, light = np.broadcast_arrays(towards_viewer, towards_light)
+    seen = seen_from(surface, viewer)
+    towards = mi.Vector3f(np.ascontiguousarray(light, dtype=np.float32))
+    return np.array(seen.density_back(towards), dtype=float)

@@ -15,7 +15,7 @@ from models.materials import MATERIALS
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from renders.tracing.surfaces import Surface, bsdf_dict, surface_of, surface_of_disc
 from tests.support.small_scenes import needs_jit
-from tests.support.surfaces import BANDS, density, drawn, seen_from, value
+from tests.support.surfaces import BANDS, density, density_back, drawn, seen_from, value
 
 NAMES = sorted(MATERIALS)
 FLOAT32 = 2e-3  # half vectors at grazing incidence lose digits, and the lobe's peak most of them
@@ -157,3 +157,11 @@ def test_the_back_of_a_one_sided_surface_is_black_and_ends_the_path() -> None:
     assert (value(disc, below, below) == 0.0).all()
     _, weights = drawn(disc, below, np.random.default_rng(1).random((2, 100)))
     assert (weights == 0.0).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_density_from_the_other_side_is_that_of_the_surface_seen_from_there(name: str) -> None:
+    surface = surface_of(MATERIALS[name])
+    viewer, light = directions(1), directions(2)
+    found = density_back(surface, viewer, light)
+    assert found == pytest.approx(density(surface, light, viewer), rel=FLOAT32, abs=1e-6)

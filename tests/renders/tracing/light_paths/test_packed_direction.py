@@ -16,7 +16,7 @@ def _variant() -> None:
 def test_directions_come_back_to_half_a_step() -> None:
     import mitsuba as mi
 
-    from renders.tracing.bounced.packed_direction import packed, unpacked
+    from renders.tracing.light_paths.packed_direction import packed, unpacked
 
     rng = np.random.default_rng(1)
     axes = np.concatenate([np.eye(3), -np.eye(3)])

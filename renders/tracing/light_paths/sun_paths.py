@@ -1,36 +1,37 @@
-"""Sunlight followed from the Sun, and counted where it lands after one bounce or more.
+"""Sunlight followed from the Sun, and written down wherever it lands after one bounce or more.
 
-What foil and rings throw onto what they face is found from a camera by luck alone; followed from
-the Sun each path that lands there counts the same. More start where a first few brought more
-(two-stage sampling: the paths that chose are not counted).
+What foil and rings throw onto what they face is found from a lens by luck alone; followed from the
+Sun each path that lands there counts the same. More start where a first few brought more (two-stage
+sampling: the paths that chose are not counted). What the lens finds better is left to it: of that
+few are kept, and count for more.
 
-Source: Jensen 1996, Global illumination using photon maps; for shading normals, Veach 1997,
-equation 5.19.
+Source: Veach 1997, chapter 10; for shading normals his equation 5.19.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from models.arrays import AnyArray, Floats
-from renders.tracing.bounced.packed_direction import packed
-from renders.tracing.bounced.surface_cells import NONE, CellFinder
 from renders.tracing.kernel_lights import SunLight
 from renders.tracing.leaving import leaving
 from renders.tracing.light_groups import SunGroup
+from renders.tracing.light_paths.landed import Landed
+from renders.tracing.light_paths.packed_direction import packed
+from renders.tracing.light_paths.weights import SAMPLES, projected, share_from_sun
 from renders.tracing.sample_sequence import points_2d
 from renders.tracing.surface_table import SurfaceTable
 
 PILOT = 32  # paths from each field before it is known what they bring
 FLOOR = 0.03  # of a field's share: what brought nothing yet is not left out
 PER_LAUNCH = 1 << 20
-COLUMNS = 4096  # of the image that paths are kept in
+KEPT = 0.25  # share of a path's light that it brings, from which it is always kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +75,6 @@ def _follow(
     scene: Any,
     surfaces: Any,
     only_by: Any,
-    finder: Any,
     light: Any,
     corner: Any,
     across: Any,
@@ -83,6 +83,8 @@ def _follow(
     field: Any,
     index: Any,
     weight: Any,
+    paths_per_m2: Any,
+    footprint: Any,
     landed: Any,
     max_depth: Any,
     key: Any,
@@ -97,6 +99,7 @@ def _follow(
     y = (mi.Float(field // grid) + place.y) / mi.Float(grid)
     ray = mi.Ray3f(corner + across * x + along * y, -towards)
     carried, brought = mi.Float(weight), mi.Float(0.0)
+    ratio = mi.Float(paths_per_m2)
     depth = mi.UInt32(0)
     counted = mi.Bool(only_by is None)
     active = mi.Bool(True)
@@ -108,17 +111,25 @@ def _follow(
         if dr.hint(only_by is not None, mode="scalar"):
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
             counted |= dr.gather(mi.Bool, only_by, shape, active)
-        mesh = finder.mesh(si.shape, active)
-        cell = finder.cell(si.p, surface.normal, mesh, active & (depth > 0))
-        lands = active & counted & (depth > 0) & (cell != NONE)
+        worth = share_from_sun(ratio * footprint)
+        kept = dr.minimum(1.0, worth * (1.0 / KEPT))
+        chance = points_2d(index, own, 3 + 2 * depth).x
+        lands = active & counted & (depth > 0) & surface.reflects & (chance < kept)
         slot = lane * (max_depth - 1) + depth - 1
-        dr.scatter(landed[0], cell, slot, lands)
-        dr.scatter(landed[1], packed(-ray.d), slot, lands)
-        dr.scatter(landed[2], carried, slot, lands)
-        brought += dr.select(lands, carried, 0.0)
-        direction, _, weights = surface.sample(points_2d(index, own, 2 + depth))
+        dr.scatter(landed[0], si.p.x, slot, lands)
+        dr.scatter(landed[1], si.p.y, slot, lands)
+        dr.scatter(landed[2], si.p.z, slot, lands)
+        dr.scatter(landed[3], packed(-ray.d), slot, lands)
+        dr.scatter(landed[4], carried / kept, slot, lands)
+        dr.scatter(landed[5], ratio, slot, lands)
+        brought += dr.select(active & counted & (depth > 0), carried * worth, 0.0)
+        direction, density, weights = surface.sample(points_2d(index, own, 2 + 2 * depth))
+        back = projected(surface.density_back(direction), surface.normal, -ray.d)
+        forth = projected(density, surface.normal, direction)
+        cosine = dr.abs(dr.dot(surface.normal, -ray.d))
+        ratio *= forth * dr.select(depth == 0, cosine, 1.0 / back)
         slant = dr.dot(surface.shading_normal, -ray.d) * dr.dot(surface.normal, direction)
-        slant /= dr.dot(surface.shading_normal, direction) * dr.dot(surface.normal, -ray.d)
+        slant /= dr.dot(surface.shading_normal, direction) * cosine
         carried *= weights[band] * slant
         depth += 1
         active &= (depth < max_depth) & (carried > 0.0) & surface.reflects
@@ -127,65 +138,7 @@ def _follow(
 
 
 @dataclass(frozen=True, eq=False)
-class Landed:
-    """Where paths landed, and what they brought.
-
-    Attributes
-    ----------
-    cell : (n,) uint32 array
-    direction : (n,) uint32 array
-        From which the light came; see ``packed``.
-    power_w : (n,) float32 array, W
-    """
-
-    cell: AnyArray
-    direction: AnyArray
-    power_w: AnyArray
-
-    CHANNELS: ClassVar = ("cell", "direction", "power_w")
-
-    @classmethod
-    def joined(cls, parts: Iterable[Landed]) -> Landed:
-        """Return all of several, sorted by cell and else in order."""
-        every = [cls(*(np.empty(0, dtype=d) for d in ("u4", "u4", "f4"))), *parts]
-        cell = np.concatenate([each.cell for each in every])
-        order = np.argsort(cell, kind="stable")
-        direction = np.concatenate([each.direction for each in every])[order]
-        return cls(cell[order], direction, np.concatenate([e.power_w for e in every])[order])
-
-    def channels(self) -> dict[str, AnyArray]:
-        """Return them as an image of a file, rows of ``COLUMNS``, the last filled up.
-
-        Returns
-        -------
-        dict of (rows, 4096) arrays
-            By the names of ``CHANNELS``.
-        """
-        rows = max(1, -(-len(self.cell) // COLUMNS))
-        filled = {
-            "cell": np.full(rows * COLUMNS, NONE, dtype=np.uint32),
-            "direction": np.zeros(rows * COLUMNS, dtype=np.uint32),
-            "power_w": np.zeros(rows * COLUMNS, dtype=np.float32),
-        }
-        for name, values in filled.items():
-            values[: len(self.cell)] = getattr(self, name)
-        return {name: values.reshape(rows, COLUMNS) for name, values in filled.items()}
-
-    @classmethod
-    def of_channels(cls, channels: Mapping[str, AnyArray]) -> Landed:
-        """Return them from such an image.
-
-        Parameters
-        ----------
-        channels : mapping of (rows, 4096) arrays
-        """
-        cell, direction, power = (channels[name].ravel() for name in cls.CHANNELS)
-        there = cell != NONE
-        return cls(cell[there], direction[there], power[there])
-
-
-@dataclass(frozen=True, eq=False)
-class PhotonTracer:
+class SunTracer:
     """What sunlight meets.
 
     Attributes
@@ -207,13 +160,8 @@ class PhotonTracer:
     only_by: Any = None
     grid: int = 96
 
-    def arriving(
-        self,
-        group: SunGroup,
-        picture: SunPicture,
-        finder: CellFinder,
-        photons: int,
-        seed: int,
+    def landing(
+        self, group: SunGroup, picture: SunPicture, footprint_m2: float, paths: int, seed: int
     ) -> Landed:
         """Follow a Sun's light.
 
@@ -221,32 +169,33 @@ class PhotonTracer:
         ----------
         group : SunGroup
         picture : SunPicture
-        finder : CellFinder
-            Of the cells in which light is counted.
-        photons : int
-            Paths, beside those that choose where they start.
+        footprint_m2 : float, m2
+            That a pixel covers of what it sees, about.
+        paths : int
+            Beside those that choose where they start.
         seed : int
-
-        Returns
-        -------
-        Landed
         """
         sides = [
             mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in each))
             for each in (picture.corner, picture.across, picture.along)
         ]
-        common = (self.scene, self.surfaces, self.only_by, finder, SunLight(group), *sides)
+        common = (self.scene, self.surfaces, self.only_by, SunLight(group), *sides)
         depth = dr.opaque(mi.UInt32, self.max_depth)
         grid, fields_in = dr.opaque(mi.UInt32, self.grid), self.grid**2
+        per_m2 = paths / picture.area_m2
+        ends = (
+            dr.opaque(mi.Float, per_m2),
+            dr.opaque(mi.Float, float(np.pi * footprint_m2 / SAMPLES)),
+        )
 
         def follow(
             fields: AnyArray, index: AnyArray, weight: AnyArray, turn: int
         ) -> tuple[AnyArray, Landed]:
             slots = len(fields) * (self.max_depth - 1)
             landed = (
-                dr.full(mi.UInt32, NONE, slots),
+                *(dr.zeros(mi.Float, slots) for _ in range(3)),
                 dr.zeros(mi.UInt32, slots),
-                dr.zeros(mi.Float, slots),
+                *(dr.zeros(mi.Float, slots) for _ in range(2)),
             )
             brought = _follow(
                 *common,
@@ -254,14 +203,18 @@ class PhotonTracer:
                 mi.UInt32(fields.astype(np.uint32)),
                 mi.UInt32(index.astype(np.uint32)),
                 mi.Float(weight.astype(np.float32)),
+                *ends,
                 landed,
                 depth,
                 dr.opaque(mi.UInt32, (2 * seed + turn) % 2**32),
             )
             dr.eval(brought, landed)
-            cell, direction, power = (np.array(each) for each in landed)
-            there = cell != NONE
-            return np.array(brought), Landed(cell[there], direction[there], power[there])
+            x, y, z, direction, power, ratio = (np.array(each) for each in landed)
+            there = power > 0.0
+            places = np.stack([x, y, z], axis=1)
+            return np.array(brought), Landed(
+                places[there], direction[there], power[there], ratio[there]
+            )
 
         fields = np.repeat(np.arange(fields_in), PILOT)
         index = np.tile(np.arange(PILOT), fields_in)
@@ -271,10 +224,10 @@ class PhotonTracer:
         share = np.sqrt((brought.reshape(-1, PILOT) ** 2).mean(axis=1))
         share = _smoothed(share)
         share += FLOOR * share.sum() / len(share)
-        number = np.maximum(1, np.round(photons * share / share.sum())).astype(np.int64)
+        number = np.maximum(1, np.round(paths * share / share.sum())).astype(np.int64)
         weight = group.irradiance_w_m2 * picture.area_m2 / fields_in / number
         parts = _launches(number)
-        return Landed.joined(follow(part[0], part[1], weight[part[0]], 0)[1] for part in parts)
+        return Landed.joined([follow(part[0], part[1], weight[part[0]], 0)[1] for part in parts])
 
 
 def _smoothed(share: Floats) -> Floats:

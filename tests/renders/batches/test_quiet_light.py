@@ -42,7 +42,7 @@ def quiet(tmp_path_factory: pytest.TempPathFactory) -> TinyDataset:
     )
     made = TinyDataset(request)
     said = made.render()
-    assert "bounced light is traced once for the Sun, and looked up in each exposure" in said
+    assert "20000 paths are followed from the Sun, once for all exposures" in said
     return made
 
 
@@ -63,16 +63,16 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(quiet: TinyDataset, tmp_pat
     assert all(np.array_equal(whole[name], again[name]) for name in whole)
 
 
-def test_what_was_traced_once_is_taken_from_the_store(
+def test_what_was_followed_once_is_taken_from_the_store(
     quiet: TinyDataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from renders.batches.render_case import render_case
-    from renders.tracing.bounced.bounced_light import BouncedLight
+    from renders.tracing.light_paths.sunlit import Sunlit
 
     def refuse(*_: object) -> None:
-        raise AssertionError("traced again")
+        raise AssertionError("followed again")
 
-    monkeypatch.setattr(BouncedLight, "landed", refuse)
+    monkeypatch.setattr(Sunlit, "landed", refuse)
     shutil.copytree(quiet.store.folder, tmp_path / "store")
     other = tmp_path / "other.toml"  # the same light once, but other frames
     other.write_text(CASE.replace("noise = 1.0", "noise = 1.2"))

@@ -1,0 +1,1 @@
+"""``make grain``: how much of what a frame shows is Monte-Carlo noise, or bias."""

@@ -1,1 +1,0 @@
-"""Sunlight that reached a surface after one bounce or more, traced once and looked up after."""
