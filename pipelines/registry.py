@@ -19,6 +19,7 @@ from pipelines.pipeline import RegisteredPipeline
 
 GROUP = "rvbench.pipelines"
 OURS = {
+    "absolute": "pipelines.absolute.registered",
     "chaser_fixed": "pipelines.chaser_fixed.registered",
     "uncooperative": "pipelines.uncooperative.registered",
 }
