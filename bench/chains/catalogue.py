@@ -18,6 +18,7 @@ OURS = {
     "retroreflector_pairs": "bench.chains.retroreflector_pairs",
     "tumble_images": "bench.chains.tumble_images",
     "posed_images": "bench.chains.posed_images",
+    "absolute_navigation": "bench.chains.absolute_navigation",
 }
 _REGISTERED: dict[str, Chain] = {}
 

@@ -36,4 +36,5 @@ PIPELINE = RegisteredPipeline(
     streams=(GNSS, INERTIAL, STARS),
     variants=VARIANTS,
     settings=_settings,
+    label=str,
 )

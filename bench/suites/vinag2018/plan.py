@@ -19,7 +19,10 @@ from models.motion.clohessy_wiltshire import mean_motion
 from models.reading.options import check_option
 from pipelines.absolute.options import VARIANTS, absolute_options_for
 
-PARTS = ("leo", "geo", "model", "lasting", "mask", "faults", "sampling", "availability")
+PARTS = (
+    "leo", "geo", "model", "lasting", "mask", "faults", "sampling", "availability", "dataset",
+)  # fmt: skip
+DATASET_S = 600.0  # of the flight that is written as a dataset
 CHUNK = 10  # runs of one unit, one batch
 MOST_RUNS, MOST_SEED = 100_000, 2**32 - 1
 FULL_TURN_RAD = 6.283185307179586

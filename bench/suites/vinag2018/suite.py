@@ -15,15 +15,18 @@ from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import LIBRARIES
-from bench.suites.vinag2018.cases import CASES
+from bench.suites.vinag2018.cases import CASES, LEO
+from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.vinag2018.page import write_suite_page
-from bench.suites.vinag2018.plan import PARTS, QUICK, Plan, Sizes, options_text
+from bench.suites.vinag2018.plan import DATASET_S, PARTS, QUICK, Plan, Sizes, options_text
 from bench.suites.vinag2018.results import Outcomes, Results
 from models.atomic_file import write_text
 from models.errors import ScenarioError
 from pipelines.absolute.options import REGIMES, VARIANTS
 
 FORMAT, VERSION = "rvbench-suite", 1
+DATASET = "flight-leo"
 
 
 def plan_of(request: SuiteRequest) -> Plan:
@@ -51,7 +54,7 @@ def plan_of(request: SuiteRequest) -> Plan:
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
-    """Do what is missing and write ``suite.json`` and ``suite.html``.
+    """Do what is missing and write ``suite.json``, ``suite.html`` and a flight as a dataset.
 
     Raises
     ------
@@ -76,6 +79,8 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     """
     folder = out / "units"
     do_units(plan.units(), folder, workers, console)
+    if "dataset" in plan.parts and not (out / DATASET / "dataset.json").is_file():
+        write_flight(out / DATASET, Flight(LEO, DATASET_S), plan.sizes.seed)
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
     settings = _settings(plan)
