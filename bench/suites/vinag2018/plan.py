@@ -50,6 +50,8 @@ class Sizes:
         Of all other flights.
     duration_s : float or None, s
         None for one orbit.
+    geo_share : float
+        Of that orbit, in GEO, where it is a day.
     star_rate_hz : int, Hz
         Of the star sensor; the paper's is 5.
     seed : int
@@ -58,6 +60,7 @@ class Sizes:
     runs: int = 50
     seeds: int = 10
     duration_s: float | None = None
+    geo_share: float = 1.0
     star_rate_hz: int = 5
     seed: int = 0
 
@@ -75,10 +78,11 @@ class Sizes:
         """Return how long a case is flown, whole seconds."""
         if self.duration_s is not None:
             return self.duration_s
-        return float(round(FULL_TURN_RAD / mean_motion(1e3 * case.axis_km)))
+        share = self.geo_share if case.key == GEO.key else 1.0
+        return float(round(share * FULL_TURN_RAD / mean_motion(1e3 * case.axis_km)))
 
 
-QUICK = Sizes(runs=4, seeds=2, duration_s=6000.0, star_rate_hz=1)
+QUICK = Sizes(runs=4, seeds=2, geo_share=0.25, star_rate_hz=1)
 
 
 @dataclass(frozen=True)
