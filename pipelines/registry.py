@@ -19,9 +19,9 @@ from pipelines.pipeline import RegisteredPipeline
 
 GROUP = "rvbench.pipelines"
 OURS = {
-    "absolute": "pipelines.absolute.registered",
     "chaser_fixed": "pipelines.chaser_fixed.registered",
     "uncooperative": "pipelines.uncooperative.registered",
+    "absolute": "pipelines.absolute.registered",
 }
 """The module of each of ours; loaded when it is asked for."""
 

@@ -147,7 +147,7 @@ def absolute_options_for(variant: str, regime: str, lasting: bool = False) -> Ab
         )
     own = AbsoluteOptions(variant, regime)
     if regime == "leo":
-        own = replace(own, range_sigma_m=float(np.hypot(1.38, 10.0)), nominal_cn0_dbhz=42.0)
+        own = replace(own, range_sigma_m=float(np.hypot(1.38, 10.0)), nominal_cn0_dbhz=50.0)
     else:
         own = replace(
             own,

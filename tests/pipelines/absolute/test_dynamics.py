@@ -30,7 +30,7 @@ def test_equation_6_is_the_field_of_degree_two():
     assert full.j2 == pytest.approx(BEST.j2, rel=1e-6)
 
 
-@pytest.mark.parametrize(("step_s", "most_m"), [(0.01, 1e-3), (0.2, 0.05)])
+@pytest.mark.parametrize(("step_s", "most_m"), [(0.2, 1e-3), (1.0, 2e-2)])
 def test_steps_add_up_to_the_orbit(step_s, most_m):
     """A minute against an eighth-order integrator of the same law, at both step sizes."""
     from scipy.integrate import solve_ivp
@@ -48,7 +48,7 @@ def test_steps_add_up_to_the_orbit(step_s, most_m):
         atol=1e-6,
     )
     assert vector[:3] == pytest.approx(found.y[:3, -1], abs=most_m)
-    assert vector[3:6] == pytest.approx(found.y[3:, -1], abs=2e-3 * most_m)
+    assert vector[3:6] == pytest.approx(found.y[3:, -1], abs=3e-3 * most_m)
 
 
 def test_the_quaternion_turns_at_the_rate_less_the_bias():
