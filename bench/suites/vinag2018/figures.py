@@ -45,7 +45,7 @@ def position_figure(outcomes: Outcomes, cells: list[Cell]) -> str:
                 )
                 panel.set_ylabel(f"{axis}, m")
                 panel.set_title(f"{cell.variant}: {cell.case.name}, position error, {axis}")
-                _limit(panel, errors[..., row])
+                _limit(panel, errors[..., row], widen=column > 0)
         for panel in axes[-1]:
             panel.set_xlabel("time, h")
 
@@ -76,11 +76,12 @@ def attitude_figure(outcomes: Outcomes, cells: list[Cell]) -> str:
                 )
             panel.set_title(f"{cell.variant}: {cell.case.name}, attitude error, run 0")
             panel.set_xlabel("time, h")
-            _limit(panel, errors)
+            _limit(panel, errors, widen=column > 0)
         axes[0][0].set_ylabel("deg")
-        axes[0][0].legend(loc="upper right", fontsize=7.5, ncols=3)
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
 
-    return drawn_svg(draw, (11.0, 2.8))
+    return drawn_svg(draw, (11.0, 3.1))
 
 
 def availability_figure(outcomes: Outcomes) -> str:
@@ -181,8 +182,10 @@ def _band(panel: Axes, hours: Floats, sigma: Floats) -> None:
     )
 
 
-def _limit(panel: Axes, errors: Floats) -> None:
-    """Show what comes after the start, which is a thousand times as wide."""
+def _limit(panel: Axes, errors: Floats, widen: bool) -> None:
+    """Show what comes after the start, which is a thousand times as wide, and what was shown."""
     size = np.abs(errors[len(errors) // 10 :])
     most = 1.3 * float(np.quantile(size, SHARE))
+    if widen:  # the row shares its scale
+        most = max(most, panel.get_ylim()[1])
     panel.set_ylim(-most, most)

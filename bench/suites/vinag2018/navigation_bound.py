@@ -31,7 +31,7 @@ from pipelines.absolute.error_state import ATTITUDE, CLOCK, GYRO_BIAS
 from pipelines.absolute.navigator import start_sigmas
 from pipelines.absolute.options import AbsoluteOptions, absolute_options_for
 
-STEP_S, BLOCK_S, FRAME_S = 1.0, 1000, 0.2
+STEP_S, BLOCK_S = 1.0, 1000
 ORBIT = [*range(9), CLOCK.start, CLOCK.start + 1]
 TURN = [*range(ATTITUDE.start, GYRO_BIAS.stop)]
 
@@ -49,6 +49,8 @@ class BoundTask:
     duration_s : float, s
     correlated : bool
         Whether the errors of ranges last; the bound then estimates them, too.
+    star_rate_hz : int, Hz
+        Of the star sensor.
     """
 
     case: Case
@@ -56,6 +58,7 @@ class BoundTask:
     options: str
     duration_s: float
     correlated: bool = False
+    star_rate_hz: int = 5
 
 
 def bound(task: BoundTask) -> Outcome:
@@ -73,7 +76,9 @@ def bound(task: BoundTask) -> Outcome:
     flight = Flight(task.case, task.duration_s)
     errors = RangeErrors(ionosphere_m=task.case.ionosphere_m, correlated=task.correlated)
     orbit = OrbitBound(flight, options, errors)
-    turn = _attitude_bounds(options, StarSensor(), task.duration_s, task.case.record_s)
+    turn = _attitude_bounds(
+        options, StarSensor(rate_hz=task.star_rate_hz), task.duration_s, task.case.record_s
+    )
     rows = []
     for now_s, state, covariance in orbit.steps():
         if abs(now_s / task.case.record_s - round(now_s / task.case.record_s)) < 1e-9:
@@ -185,14 +190,15 @@ def _attitude_bounds(
 
     The body turns by 0.1 deg/s at most, which mixes its axes slowly: it is taken as still.
     """
+    frame_s = 1.0 / stars.rate_hz
     step = np.eye(6)
-    step[:3, 3:] = -FRAME_S * np.eye(3)
-    factor = process_noise_factor(options, FRAME_S)[TURN][:, TURN]
+    step[:3, 3:] = -frame_s * np.eye(3)
+    factor = process_noise_factor(options, frame_s)[TURN][:, TURN]
     noise, measured = factor @ factor.T, stars.covariance_rad2
     covariance = np.diag(start_sigmas(options)[TURN] ** 2)
-    every = round(record_s / FRAME_S)
+    every = round(record_s / frame_s)
     sigmas = []
-    for frame in range(1, round(duration_s / FRAME_S) + 1):
+    for frame in range(1, round(duration_s / frame_s) + 1):
         covariance = step @ covariance @ step.T + noise
         gain = np.linalg.solve(covariance[:3, :3] + measured, covariance[:3]).T
         covariance = covariance - gain @ covariance[:3]

@@ -229,7 +229,7 @@ class Plan:
         """Return the unit of a cell's bound."""
         lasting = "_lasting" if cell.lasting else ""
         return WorkUnit(
-            name=f"bounds/{cell.case.key}{lasting}_{cell.span_s:.0f}s/{cell.variant}",
+            name=f"bounds/{cell.case.key}{lasting}_{cell.span_s:.0f}s_{cell.star_rate_hz}hz/{cell.variant}",
             work=bound,
             task=BoundTask(
                 cell.case,
@@ -237,6 +237,7 @@ class Plan:
                 options_text(cell.variant, cell.case.regime, False),
                 cell.span_s,
                 cell.lasting,
+                cell.star_rate_hz,
             ),
             kind=f"bound{', lasting errors' if cell.lasting else ''}",
             expected_s=cell.span_s * BOUND_S * (10.0 if cell.lasting else 1.0),
