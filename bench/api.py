@@ -17,13 +17,14 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from bench.api_options import ExportOptions, RenderOptions, SweepOptions
+from bench.api_options import DatasetOptions, ExportOptions, RenderOptions, SweepOptions, check_case
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
     from bench.compare.comparison import Comparison
     from bench.compare.options import CompareChoices
     from bench.export.plan import Plan
+    from bench.random_dataset.run import DatasetResult
     from bench.sweep.outcome import SweepFiles
     from bench.sweep.run import SweepResult
     from models.camera import Camera
@@ -52,7 +53,7 @@ def render(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    _check_case(case)
+    check_case(case)
     from renders.batches.render_case import render_case
     from renders.scenario.scenario import RenderRequest
 
@@ -286,7 +287,7 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    _check_case(case)
+    check_case(case)
     from bench.estimating.repeated_runs import repeat_runs, runs_left
     from renders.batches.replay import light_held
 
@@ -324,13 +325,28 @@ def sweep(case: str, out: Path, **options: Unpack[SweepOptions]) -> tuple[SweepR
     RvbenchError
         Each says what to do; nothing already done is lost.
     """
-    _check_case(case)
+    check_case(case)
     from bench.sweep.outcome import write_outcome
     from bench.sweep.plan import SweepRequest
     from bench.sweep.run import run_sweep
 
     result = run_sweep(SweepRequest(case=case, out=out, **options))
     return result, write_outcome(result)
+
+
+def dataset(spec: Path, out: Path, **options: Unpack[DatasetOptions]) -> DatasetResult:
+    """Render a dataset of random poses, or what is missing of it; see ``make_dataset``.
+
+    Parameters
+    ----------
+    spec : Path
+        What is drawn, as TOML.
+    out : Path
+    **options
+    """
+    from bench.random_dataset.run import DatasetRequest, make_dataset
+
+    return make_dataset(DatasetRequest(spec, out, **options))
 
 
 def simulation(case: str, run: int = 0, **options: Any) -> Simulation:
@@ -356,13 +372,15 @@ def simulation(case: str, run: int = 0, **options: Any) -> Simulation:
     return Simulation(case, run, **options)
 
 
-def new(kind: Literal["case", "camera", "pipeline"], name: str, folder: Path = Path()) -> Path:
+def new(
+    kind: Literal["case", "camera", "dataset", "pipeline"], name: str, folder: Path = Path()
+) -> Path:
     """Write a file or a package to start from; see ``rvbench new``.
 
     Parameters
     ----------
     kind : str
-        case, camera or pipeline.
+        case, camera, dataset or pipeline.
     name : str
     folder : Path
         Where.
@@ -376,16 +394,3 @@ def new(kind: Literal["case", "camera", "pipeline"], name: str, folder: Path = P
 
     place, _ = write_start(kind, name, folder)
     return place
-
-
-def _check_case(case: str) -> None:
-    """Refuse a case that there is not, before anything that renders is loaded.
-
-    Raises
-    ------
-    ScenarioError
-        It suggests the nearest.
-    """
-    from renders.scenario.case_files import case_path
-
-    case_path(case)

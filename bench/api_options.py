@@ -23,6 +23,14 @@ class RenderOptions(TypedDict, total=False):
     threads: int | None
 
 
+class DatasetOptions(TypedDict, total=False):
+    """What can be asked of a random dataset; see ``bench.random_dataset.run.DatasetRequest``."""
+
+    workers: int | None
+    only: tuple[int, int] | None
+    variant: Literal["auto", "llvm", "cuda", "scalar"]
+
+
 class ExportOptions(TypedDict, total=False):
     """What can be asked of an export; see ``bench.export.request.ExportRequest``."""
 
@@ -54,3 +62,16 @@ class SweepOptions(TypedDict, total=False):
     store_budget_gb: float | None
     threads: int | None
     memory_gb: float
+
+
+def check_case(case: str) -> None:
+    """Refuse a case that there is not, before anything that renders is loaded.
+
+    Raises
+    ------
+    ScenarioError
+        It suggests the nearest.
+    """
+    from renders.scenario.case_files import case_path
+
+    case_path(case)

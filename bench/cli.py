@@ -23,6 +23,7 @@ from bench.export.verb import Export
 from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
+from bench.random_dataset.verb import Dataset
 from bench.scoring.verb import Score
 from bench.store.verb import Store
 from bench.suites.verb import Suite
@@ -35,6 +36,7 @@ VERBS: dict[str, type[Any]] = {
     "run": verbs.Run,
     "render": verbs.Render,
     "sweep": Sweep,
+    "dataset": Dataset,
     "suite": Suite,
     "estimate": verbs.Estimate,
     "score": Score,

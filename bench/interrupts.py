@@ -31,6 +31,7 @@ WHAT_IS_KEPT = {
     "run": f"{GOES_ON}; estimates that were not finished start over",
     "render": GOES_ON,
     "sweep": GOES_ON,
+    "dataset": GOES_ON,
     "suite": f"{GOES_ON}; what was in hand is done again",
     "estimate": STARTS_OVER,
     "score": "score.json is as it was before, or new and whole",

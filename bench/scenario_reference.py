@@ -76,7 +76,10 @@ The first line of `poses.csv` says which way the poses map; quaternions are scal
 ```
 
 or the same with `target_from_cam`. `sun_x,sun_y,sun_z` (towards the Sun, target axes, length 1) and
-`exposure_ms` may stand beside them. Camera axes are x right, y down, z forward. `--width` renders a
+`exposure_ms` may stand beside them, and what is behind: `earth_x,earth_y,earth_z` (towards the
+Earth's centre, or three zeros for none; with `[earth] shines = true`) and `stars` (1 or 0; with
+`[stars] shine = true`). Rows that follow each other at one pose, under other Suns, are traced
+together. Camera axes are x right, y down, z forward. `--width` renders a
 camera of your own at fewer columns, its field of view kept, for a first look.
 """
 COLUMNS = ("key", "type", "unit", "default", "range", "meaning")

@@ -4,6 +4,8 @@ The command line turns any of them into one message and exit code 2. Failure to 
 not here: it is a value, a ``models.estimate.Estimate`` with its reason.
 """
 
+from __future__ import annotations
+
 
 class RvbenchError(Exception):
     """Something that its reader can mend; the message says how."""
@@ -35,6 +37,11 @@ class UnreadableError(DatasetError):
         self.reason = told
         self.told = told if line is None else f"in line {line}: {told}"
         self.line = line
+        self._made_of = (str(path), told, line)
+
+    def __reduce__(self) -> tuple[type[UnreadableError], tuple[str, str, int | None]]:
+        """Let it come out of another process as it went in."""
+        return type(self), self._made_of
 
 
 class VariantError(RvbenchError):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from models.surface_detail import DETAIL, MOST_CREASED, PLAIN, SurfaceDetail
+
 
 @dataclass(frozen=True)
 class BandReflectance:
@@ -58,6 +60,8 @@ class Material:
     is_dielectric : bool
         Whether the mirror part is the face of glass, resin or film, which reflects ever more
         towards grazing incidence by Fresnel's law; that of a metal stays as it is.
+    detail : SurfaceDetail
+        How it differs from place to place, where a pixel resolves that; all else is its mean.
     """
 
     name: str
@@ -66,6 +70,7 @@ class Material:
     roughness: float
     source: str
     is_dielectric: bool = False
+    detail: SurfaceDetail = PLAIN
 
     def __post_init__(self) -> None:
         if not 0.05 <= self.roughness <= 1.0:
@@ -78,6 +83,17 @@ class Material:
                     f"{self.name}: expected diffuse and specular to sum to at most 1, "
                     f"got {diffuse} + {specular}"
                 )
+        most = max(d + s for d, s in zip(self.diffuse.bands, self.specular.bands, strict=True))
+        if most * (1.0 + self.detail.mottling) * (1.0 + self.detail.tile_spread) > 1.0:
+            raise ValueError(
+                f"{self.name}: expected at most 1 where its detail is brightest, got {most} with "
+                f"a mottling of {self.detail.mottling} and tiles' {self.detail.tile_spread}"
+            )
+        if self.detail.crease_slope > MOST_CREASED * self.roughness:
+            raise ValueError(
+                f"{self.name}: expected a crease slope up to {MOST_CREASED} of the roughness, "
+                f"got {self.detail.crease_slope} with {self.roughness}"
+            )
         if self.is_dielectric and not max(self.specular.bands) <= MOST_OF_A_FACE:
             raise ValueError(
                 f"{self.name}: expected a dielectric's face to reflect at most {MOST_OF_A_FACE} "
@@ -110,7 +126,8 @@ def _material(
     is_dielectric: bool = False,
 ) -> Material:
     bands = BandReflectance(*diffuse), BandReflectance(*specular)
-    return Material(name, *bands, roughness, source, is_dielectric)
+    detail = DETAIL.get(name, PLAIN)
+    return Material(name, *bands, roughness, source, is_dielectric, detail)
 
 
 # Each pair of triples is (sunlight, 800 nm, 850 nm). Reflectances of metals follow from the cited

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from bench.compare.exported_numbers import ExportedAs, exported_numbers
 from bench.estimating.foreign_estimates.reading import (
     FileFormat,
     read_foreign_estimates,
@@ -34,7 +35,7 @@ class Method:
         As ``bench.estimating.foreign_estimates.reading.FORMATS`` has it.
     sha256 : str
         Of the file.
-    missing : int
+    unsaid : frozenset of int
         Frames that it says nothing of; they are lost.
     remarks : tuple of str
     """
@@ -44,8 +45,22 @@ class Method:
     path: Path
     format: FileFormat
     sha256: str
-    missing: int = 0
+    unsaid: frozenset[int] = frozenset()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> int:
+        """How many frames it says nothing of."""
+        return len(self.unsaid)
+
+    def of_frames(self, frames: frozenset[int]) -> Method:
+        """Return what it says of some frames alone."""
+        run = replace(
+            self.run,
+            estimates={k: said for k, said in self.run.estimates.items() if k in frames},
+            runtime_ms={k: spent for k, spent in self.run.runtime_ms.items() if k in frames},
+        )
+        return replace(self, run=run, unsaid=self.unsaid & frames)
 
 
 @dataclass(frozen=True)
@@ -62,6 +77,7 @@ def found_methods(
     dataset: Path | None,
     file_format: FileFormat | None = None,
     choices: Choices | None = None,
+    exported: ExportedAs | None = None,
 ) -> tuple[Dataset, list[Method]]:
     """Read the methods that arguments name, and the dataset that they are all of.
 
@@ -75,6 +91,13 @@ def found_methods(
         Of the files that lie in no dataset.
     choices : Choices, optional
         What those leave open.
+    exported : ExportedAs, optional
+        An export whose numbers those go by, and which of its splits is judged.
+
+    Returns
+    -------
+    Dataset, list of Method
+        The dataset has the frames of the split alone, where one is named.
 
     Raises
     ------
@@ -100,12 +123,20 @@ def found_methods(
                 f"expected estimates of one dataset, got those of {homes[0]} and {home}, which "
                 "differ; only methods on the same frames are compared"
             )
+    choices = choices or Choices()
+    frames: frozenset[int] | None = None
+    if exported is not None:
+        numbers = exported_numbers(exported, first)
+        choices, frames = numbers.completed(choices), numbers.frames
     methods = [
         _foreign(place.path, first, file_format, choices)
         if place.home is None
         else _ours(place, opened[next(each for each in homes if _same(each, place.home))])
         for place in places
     ]
+    if frames is not None:
+        methods = [method.of_frames(frames) for method in methods]
+        first = replace(first, entries=[each for each in first.entries if each.index in frames])
     return first, _named_apart(methods)
 
 
@@ -151,7 +182,7 @@ def _foreign(
 ) -> Method:
     read = read_foreign_estimates(path, dataset, file_format, choices)
     return Method(
-        read.run.label, read.run, path, read.format, read.sha256, read.missing, read.remarks
+        read.run.label, read.run, path, read.format, read.sha256, read.unsaid, read.remarks
     )
 
 

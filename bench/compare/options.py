@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
 from bench.compare.bootstrap import Resampling
+from bench.compare.exported_numbers import ExportedAs
 from bench.compare.methods import Method
 from bench.estimating.foreign_estimates.reading import FileFormat
 from bench.estimating.foreign_estimates.said_poses import Choices, TrajectoryOf
 from models.errors import ScenarioError
 from models.reading.options import check_option
+from models.reading.shown import shown
 
 RankBy: TypeAlias = Literal["speed", "position", "attitude", "ar"]
 VSD_PX = 512  # of 2048: every fourth pixel; the shares differ by less than a hundredth
@@ -28,6 +31,8 @@ class CompareOptions:
         Of foreign files; found by what they hold unless given.
     choices : Choices
         What those leave open.
+    exported : ExportedAs, optional
+        The export whose numbers foreign files go by, and which of its splits is judged.
     rank_by : str
         ``speed``, ``position``, ``attitude`` or ``ar``.
     resampling : Resampling
@@ -37,13 +42,14 @@ class CompareOptions:
 
     file_format: FileFormat | None = None
     choices: Choices = field(default_factory=Choices)
+    exported: ExportedAs | None = None
     rank_by: RankBy = "speed"
     resampling: Resampling = field(default_factory=Resampling)
     vsd_px: int = VSD_PX
 
 
 class CompareChoices(TypedDict, total=False):
-    """The same as typed: those of ``CompareOptions``, ``Choices`` and ``Resampling`` by name."""
+    """The same as typed, and the parts of ``Choices``, ``Resampling``, ``ExportedAs`` by name."""
 
     rank_by: RankBy
     file_format: FileFormat | None
@@ -54,6 +60,8 @@ class CompareChoices(TypedDict, total=False):
     seed: int
     resamples: int
     block_frames: int | None
+    exported: Path | None
+    split: str | None
 
 
 def compare_options(**typed: Unpack[CompareChoices]) -> CompareOptions:
@@ -69,8 +77,14 @@ def compare_options(**typed: Unpack[CompareChoices]) -> CompareOptions:
         names = {each.name for each in fields(kind)}
         return {name: value for name, value in typed.items() if name in names}
 
+    folder, split = typed.pop("exported", None), typed.pop("split", None)
+    if folder is None and split is not None:
+        raise ScenarioError(
+            f"expected --split only with --exported DIR, which drew it, got {shown(split)}"
+        )
     options = CompareOptions(
         **of(CompareOptions),
+        exported=None if folder is None else ExportedAs(folder, split),
         choices=Choices(**of(Choices)),
         resampling=Resampling(**of(Resampling)),
     )

@@ -154,7 +154,7 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
         )
     seen = "left out"
     if grid is not None:
-        nth = "every pixel" if grid.stride == 1 else f"every {grid.stride}th pixel both ways"
+        nth = "every pixel" if grid.stride == 1 else f"one pixel of {grid.stride}, both ways"
         seen = f"{nth}; the scene's depth from {view.scene_depth_source}"
     info = view.dataset.info
     return [

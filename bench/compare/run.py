@@ -44,7 +44,9 @@ def score_one(
         If something cannot be read, or another's file stands at ``out``.
     """
     check_file_place(out)
-    dataset, methods = found_methods([estimates], folder, options.file_format, options.choices)
+    dataset, methods = found_methods(
+        [estimates], folder, options.file_format, options.choices, options.exported
+    )
     if len(methods) > 1:
         raise ScenarioError(
             f"expected one file with --estimates, got the folder {estimates} with "
@@ -86,7 +88,9 @@ def write_outcome(
         check_number([])
     if out is not None:
         check_folder_place(out)
-    opened, found = found_methods(methods, dataset, options.file_format, options.choices)
+    opened, found = found_methods(
+        methods, dataset, options.file_format, options.choices, options.exported
+    )
     check_number(found)
     if out is None:
         out = Path("out") / f"compare-{opened.info.case}"

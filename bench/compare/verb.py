@@ -41,12 +41,17 @@ class Compare:
     format: FormatName = "auto"
     """of the files that lie in no dataset; auto finds it by what a file holds"""
     scene: OptionalCount = None
-    """of BOP results: the scene_id that is this dataset, where there are several"""
+    """of BOP results, or images named as in an export: the scene that is this dataset"""
     object: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     """of BOP results: the obj_id that is its target, where there are several"""
     trajectory_of: Literal["camera", "target"] = "camera"
     """what a TUM trajectory's rows are: the camera's poses in the target frame, or the target's in
     the camera's"""
+    exported: OptionalFolder = None
+    """an export of the dataset (`rvbench export`), by whose numbers of scenes and objects files
+    go"""
+    split: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    """with --exported, the split whose frames are judged (train, val or test); all unless given"""
     vsd_px: Annotated[int, arg(metavar="N")] = 512
     """pixels along the image's longer side that BOP's VSD looks at; 0 leaves VSD out"""
     seed: Annotated[int, arg(metavar="N")] = 0
@@ -67,6 +72,8 @@ class Compare:
             scene=self.scene,
             target=self.object,
             trajectory_of=self.trajectory_of,
+            exported=self.exported,
+            split=self.split,
             vsd_px=self.vsd_px,
             seed=self.seed,
             resamples=self.resamples,

@@ -153,11 +153,16 @@ def _provenance(plan: Plan, request: ExportRequest, versions: str) -> Iterator[s
     yield ""
     yield f"Exported with {versions}."
     yield ""
-    shares = " ".join(f"{share:g}" for share in request.split)
-    yield (
-        f"Splits: {shares} of train, val and test, in blocks of {request.split_block} frames, "
-        f"drawn with seed {request.split_seed}."
-    )
+    drawn = [source for source in plan.sources if source.splits is None]
+    if drawn:
+        shares = " ".join(f"{share:g}" for share in request.split)
+        yield (
+            f"Splits: {shares} of train, val and test, in blocks of {request.split_block} frames, "
+            f"drawn with seed {request.split_seed}."
+        )
+    if len(drawn) < len(plan.sources):
+        some = " of those datasets that bring their own" if drawn else ""
+        yield f"Splits{some}: as `splits.csv` beside their frames has them."
     yield ""
     yield "| | dataset | case | Sun | target | frames | streams | hash of its public half |"
     yield "|---|---|---|---|---|---|---|---|"

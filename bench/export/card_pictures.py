@@ -84,8 +84,8 @@ def histograms(spread: Spread) -> bytes:
         lambda axes: _bars(axes, spread.range_m, "range, m"),
         lambda axes: _bars(axes, spread.phase_deg, "phase angle (Sun, target, camera), deg"),
         lambda axes: _bars(axes, spread.exposure_ms, "exposure, ms"),
-        lambda axes: _sphere(axes, spread.camera, "attitude: camera as the target sees it", COLOUR),
-        lambda axes: _sphere(axes, spread.sun, "Sun as the target sees it", SECOND),
+        lambda axes: sphere(axes, spread.camera, "attitude: camera as the target sees it", COLOUR),
+        lambda axes: sphere(axes, spread.sun, "Sun as the target sees it", SECOND),
         lambda axes: _bars(axes, spread.visible, "part of the silhouette that is seen"),
     ]
     with mpl.rc_context(STYLE):
@@ -111,9 +111,19 @@ def _bars(axes: mpl.axes.Axes, values: Sequence[float], title: str) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def _sphere(
+def sphere(
     axes: mpl.axes.Axes, directions: Sequence[Sequence[float]], title: str, colour: str
 ) -> None:
+    """Draw directions by azimuth and elevation.
+
+    Parameters
+    ----------
+    axes : Axes
+    directions : (n, 3) array
+        Unit vectors, target axes.
+    title : str
+    colour : str
+    """
     axes.set_title(title)
     axes.set_xlim(-180.0, 180.0)
     axes.set_ylim(-90.0, 90.0)

@@ -19,6 +19,7 @@ CONTEXT: dict[str, Any] = {
     "data": {"@id": "cr:data", "@type": "@json"},
     "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
     "dct": "http://purl.org/dc/terms/",
+    "equivalentProperty": "cr:equivalentProperty",
     "examples": {"@id": "cr:examples", "@type": "@json"},
     "extract": "cr:extract",
     "field": "cr:field",
@@ -38,6 +39,7 @@ CONTEXT: dict[str, Any] = {
     "regex": "cr:regex",
     "repeated": "cr:repeated",
     "replace": "cr:replace",
+    "samplingRate": "cr:samplingRate",
     "sc": "https://schema.org/",
     "separator": "cr:separator",
     "source": "cr:source",
@@ -51,7 +53,7 @@ def croissant(
     plan: Plan,
     licence: str,
     made_by: str,
-    metadata: dict[str, list[Any]],
+    metadata: dict[str, tuple[int, str]],
     example: dict[str, Any],
 ) -> str:
     """Return the text of ``croissant.json``.
@@ -87,7 +89,7 @@ def croissant(
     return json.dumps(table, indent=2) + "\n"
 
 
-def _file(path: str, told: list[Any]) -> dict[str, Any]:
+def _file(path: str, told: tuple[int, str]) -> dict[str, Any]:
     return {
         "@type": "cr:FileObject",
         "@id": path,

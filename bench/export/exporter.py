@@ -32,6 +32,7 @@ from bench.export.source import Source, open_source
 from bench.export.tables import table_files
 from bench.export.tone_curve import ToneCurve, tone_curve
 from bench.progress import frame_progress
+from bench.random_dataset.folder import datasets_within
 
 EIGHT = 8
 
@@ -60,7 +61,8 @@ def export_datasets(request: ExportRequest) -> Plan:
     kind = format_named(request.kind)
     if request.mcap:
         check_mcap()
-    sources = [open_source(number + 1, folder) for number, folder in enumerate(request.datasets)]
+    folders = [each for given in request.datasets for each in datasets_within(given)]
+    sources = [open_source(number + 1, folder) for number, folder in enumerate(folders)]
     plan = make_plan(sources, request.split, request.split_seed, request.split_block)
     kind.refuse(plan)
     versions = f"rvbench {version('rvbench')}"
@@ -86,7 +88,7 @@ def _export(
     plan = records.plan
     picture = picture_of(plan.image_path(shot), curve, request.demosaic)
     label = label_of(plan, shot, picture.image)
-    files: dict[str, list[Any]] = {}
+    files: dict[str, tuple[int, str]] = {}
     for name, data in kind.exposure(plan, label, picture).items():
         files[name] = write_pieces(request.out / name, [data])
     records.put(shot, label.record.with_files(files))
@@ -112,7 +114,7 @@ def _curves(request: ExportRequest, plan: Plan) -> dict[int, ToneCurve | None]:
 
 def _finish(
     request: ExportRequest, kind: Format, records: Records, versions: str
-) -> Iterator[tuple[str, list[Any]]]:
+) -> Iterator[tuple[str, tuple[int, str]]]:
     """Write what tells of all images; yield each file's path, size and hash."""
     plan = records.plan
     makers: list[Callable[[], Streamed]] = [
@@ -122,7 +124,7 @@ def _finish(
         lambda: _tones(_curves(request, plan)),
         lambda: card_files(records, request, kind, versions),
     ]
-    told: dict[str, list[Any]] = {}
+    told: dict[str, tuple[int, str]] = {}
     for make in makers:
         for name, pieces in make():
             told[name] = write_pieces(request.out / name, pieces)
@@ -138,7 +140,7 @@ def _finish(
 
 
 def _every_file(
-    kind: Format, records: Records, told: dict[str, list[Any]]
+    kind: Format, records: Records, told: dict[str, tuple[int, str]]
 ) -> Iterator[tuple[str, str]]:
     if not kind.staged:
         for record in records.of():

@@ -21,15 +21,18 @@ from bench.export.plan import Plan
 from bench.export.records import HIDDEN
 from bench.export.request import ExportRequest
 from models.atomic_file import sweep_scratch, whole_or_absent, write_text
+from models.dataset.split_file import FILE_NAME as SPLITS
 from models.errors import DatasetError, UnreadableError
 from models.output_folder import check_empty, check_place
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
+from models.reading.regular_file import check_regular
 from models.reading.shown import shown
 
 FORMAT, VERSION = "rvbench-export", 1
 MARK, HASHES = "export.json", "files.sha256"
 BUFFER = 1 << 20
+MOST_LINE = 5000  # a hash and the longest path that a system has
 
 
 def marking(request: ExportRequest, plan: Plan, versions: str) -> dict[str, Any]:
@@ -62,6 +65,7 @@ def marking(request: ExportRequest, plan: Plan, versions: str) -> dict[str, Any]
                 "frames": source.dataset.info.frames,
                 "public_half": source.fingerprint,
                 "truth": _hash_of(source.truth.path),
+                **({} if source.splits is None else {"splits": _hash_of(source.folder / SPLITS)}),
             }
             for source in plan.sources
         ],
@@ -107,8 +111,22 @@ def begin(out: Path, mark: dict[str, Any]) -> bool:
             "nothing was changed: choose another --out"
         )
     if not complete:
+        _refuse_links(out)
         sweep_scratch(out)
     return complete
+
+
+def _refuse_links(out: Path) -> None:
+    """Refuse to go on where a link would have us write elsewhere; an export has none."""
+    for place, folders, names in os.walk(out):
+        for name in (*folders, *names):
+            path = Path(place, name)
+            if path.is_symlink():
+                raise DatasetError(
+                    f"expected an export without links in {out}, found {path} to "
+                    f"{shown(os.readlink(path))}; nothing was changed: choose another --out, or "
+                    "take it away"
+                )
 
 
 def read_mark(out: Path) -> dict[str, Any] | None:
@@ -145,7 +163,7 @@ def finish(out: Path, mark: dict[str, Any], files: Iterable[tuple[str, str]]) ->
     shutil.rmtree(out / HIDDEN, ignore_errors=True)
 
 
-def write_pieces(path: Path, pieces: Iterable[bytes]) -> list[Any]:
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> tuple[int, str]:
     """Write a file piece by piece, whole or not at all; return its size and SHA-256.
 
     Raises
@@ -159,7 +177,7 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> list[Any]:
             digest.update(piece)
             size += len(piece)
             file.write(piece)
-    return [size, digest.hexdigest()]
+    return size, digest.hexdigest()
 
 
 def listed(out: Path) -> Iterator[tuple[str, str]]:
@@ -172,8 +190,10 @@ def listed(out: Path) -> Iterator[tuple[str, str]]:
     """
     path = out / HASHES
     try:
+        check_regular(path)
         with path.open() as file:
-            for number, line in enumerate(file, start=1):
+            lines = iter(lambda: file.readline(MOST_LINE), "")
+            for number, line in enumerate(lines, start=1):
                 digest, _, name = line.rstrip("\n").partition("  ")
                 inside = name and not Path(name).is_absolute() and ".." not in Path(name).parts
                 if len(digest) != 64 or not inside:
@@ -182,7 +202,7 @@ def listed(out: Path) -> Iterator[tuple[str, str]]:
                         f"{shown(line)}"
                     )
                 yield name, digest
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, UnreadableError) as error:
         raise DatasetError(
             f"expected the hashes of an export at {path}, got: {error}; export again"
         ) from error

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from bench.export.keypoints import HALF, projected, states_of
@@ -21,6 +20,7 @@ from bench.export.sunlight import sunlit
 from bench.export.truth_lines import SealedExposure
 from models.arrays import AnyArray, Floats, Labels, Mask, Radiance
 from models.camera import Camera
+from models.dataset.image_file import decoded_png, png_size
 from models.errors import DatasetError
 from models.pose import RigidTransform
 from models.reading.regular_file import read_bytes
@@ -183,13 +183,14 @@ def _pixel_truth(
     depth_path = source.folder / "truth" / "geometry" / f"{name}.exr"
     labels = depth = None
     if source.part_names and labels_path.is_file():
-        data = np.frombuffer(read_bytes(labels_path, MOST_LABEL_BYTES), np.uint8)
-        labels = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
-        if labels is None or labels.shape != shape or labels.dtype != np.uint8:
+        data = read_bytes(labels_path, MOST_LABEL_BYTES)
+        read = decoded_png(data) if png_size(data) == shape[::-1] else None
+        if read is None or read.shape != shape or read.dtype != np.uint8:
             raise DatasetError(
                 f"{labels_path}: expected part labels of {shape[1]} x {shape[0]} pixels as an "
                 "8-bit PNG, got something else; delete it and render again"
             )
+        labels = np.asarray(read, dtype=np.uint8)
     if depth_path.is_file():
         channels = read_exr(depth_path)
         if channels is None or "Z" not in channels or channels["Z"].shape != shape:

@@ -1,7 +1,8 @@
 """What leaves, in which order, and into which split: decided before anything is written.
 
-Splits are drawn by a recorded seed from blocks of frames that follow each other, so that a frame
-and its neighbour, nearly the same, need not end on both sides; all streams of a frame go together.
+Splits are those that a dataset brings (``splits.csv``), or else drawn by a recorded seed from
+blocks of frames that follow each other, so that a frame and its neighbour, nearly the same, need
+not end on both sides; all streams of a frame go together.
 An image without any truth goes to none of them: its split is ``unlabelled``.
 """
 
@@ -120,11 +121,12 @@ def make_plan(
     Raises
     ------
     ScenarioError
-        If the shares do not add up to 1.
+        If the shares do not add up to 1, or targets that differ have the same name.
     """
     if any(not 0.0 <= share <= 1.0 for share in shares) or abs(sum(shares) - 1.0) > SUM_TOLERANCE:
         told = " ".join(f"{share:g}" for share in shares)
         raise ScenarioError(f"expected --split as three shares that add up to 1, got {told}")
+    _refuse_namesakes(sources)
     streams = tuple(
         dict.fromkeys(each.name for s in sources for each in s.dataset.info.image_streams)
     )
@@ -156,6 +158,32 @@ def depth_scale_mm(farthest_m: float) -> float:
     return float(f"{next(step for step in steps if step >= least * (1.0 - 1e-12)):.6g}")
 
 
+def _refuse_namesakes(sources: Sequence[Source]) -> None:
+    """Refuse datasets whose targets have one name and two shapes: an export knows them by name."""
+    first: dict[str, Source] = {}
+    for source in sources:
+        name = source.dataset.info.target
+        other = first.setdefault(name, source)
+        if not _same_shape(source, other):
+            raise ScenarioError(
+                f"expected every dataset of {name} to show the same spacecraft, with the same "
+                f"markers and landmarks; {other.folder} and {source.folder} differ: export them "
+                "on their own, or give one another name and render it anew"
+            )
+
+
+def _same_shape(one: Source, other: Source) -> bool:
+    if one.target is None or other.target is None:
+        return one.target is other.target
+    pairs = [
+        (one.target.keypoints.points_in_target, other.target.keypoints.points_in_target),
+        (one.target.vertices, other.target.vertices),
+        (one.target.faces, other.target.faces),
+    ]
+    names = one.target.keypoints.names == other.target.keypoints.names
+    return names and all(np.array_equal(mine, theirs) for mine, theirs in pairs)
+
+
 def _reach_m(source: Source) -> float:
     return source.truth.farthest_m + (source.target.radius_m if source.target else 0.0)
 
@@ -165,6 +193,8 @@ def _drawn(
 ) -> dict[int, str]:
     """Return each frame's split: the blocks in a drawn order, cut where the shares end."""
     frames = source.dataset.indices
+    if source.splits is not None:
+        return {frame: source.splits.get(frame, UNLABELLED) for frame in frames}
     blocks = [frames[start : start + block] for start in range(0, len(frames), block)]
     order = np.random.default_rng([seed, SPLIT_DRAW, source.number]).permutation(len(blocks))
     ends = np.rint(np.cumsum(shares) * len(blocks)).astype(int)

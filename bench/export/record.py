@@ -7,16 +7,33 @@ belong to them, masks are run lengths. Each format turns these into its own unit
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, ClassVar
 
 import numpy as np
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
 from models.arrays import Floats
 from models.errors import DatasetError
 from models.pose import RigidTransform
 
+CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+def _inside(name: str) -> str:
+    if not name or Path(name).is_absolute() or ".." in Path(name).parts:
+        raise ValueError("expected a path within the export")
+    return name
+
+
 Box = tuple[int, int, int, int]
+Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+Four = Annotated[list[float], Field(min_length=4, max_length=4)]
+Five = Annotated[list[float], Field(min_length=5, max_length=5)]
+Nine = Annotated[list[float], Field(min_length=9, max_length=9)]
+Point = Annotated[list[float], Field(min_length=2, max_length=2)]
+OwnPath = Annotated[str, AfterValidator(_inside)]
 
 
 @dataclass(frozen=True)
@@ -36,6 +53,7 @@ class MaskRecord:
     lengths: list[int]
     count: int
     box: Box | None
+    __pydantic_config__: ClassVar[ConfigDict] = CONFIG
 
 
 @dataclass(frozen=True)
@@ -85,19 +103,20 @@ class Record:
     width: int
     height: int
     channels: int
-    camera: list[float] | None
-    distortion: list[float]
+    camera: Four | None
+    distortion: Five
     object_id: int | None
-    rotation: list[float] | None
-    translation_m: list[float] | None
-    sun_dir_in_target: list[float] | None
-    keypoints_px: list[list[float] | None]
+    rotation: Nine | None
+    translation_m: Three | None
+    sun_dir_in_target: Three | None
+    keypoints_px: list[Point | None]
     keypoint_states: list[str]
     full: MaskRecord | None
     visible: MaskRecord | None
     valid: int
     depth_scale_mm: float
-    files: dict[str, list[Any]] = field(default_factory=dict)
+    files: dict[OwnPath, tuple[int, str]] = field(default_factory=dict)
+    __pydantic_config__: ClassVar[ConfigDict] = CONFIG
 
     @property
     def cam_from_target(self) -> RigidTransform | None:
@@ -147,7 +166,7 @@ class Record:
         cosine = float(np.clip(towards @ np.array(self.sun_dir_in_target), -1.0, 1.0))
         return float(np.rad2deg(np.arccos(cosine)))
 
-    def with_files(self, files: dict[str, list[Any]]) -> Record:
+    def with_files(self, files: dict[str, tuple[int, str]]) -> Record:
         """Return it with the files that were written of it."""
         return replace(self, files=files)
 
@@ -165,16 +184,13 @@ def record_from_json(text: str, where: object) -> Record:
         If it is none.
     """
     try:
-        table = json.loads(text)
-        for key in ("full", "visible"):
-            if table[key] is not None:
-                own = table[key]
-                box = None if own["box"] is None else tuple(own["box"])
-                table[key] = MaskRecord(own["lengths"], own["count"], box)
-        if set(table) != {each.name for each in fields(Record)}:
-            raise TypeError("other keys than a label record's")
-        return Record(**table)
-    except (ValueError, TypeError, KeyError) as error:
+        return _RECORD.validate_json(text, strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        what = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         raise DatasetError(
-            f"{where}: expected a label record, got: {error}; delete it and export again"
+            f"{where}: expected a label record, got: {what}; delete it and export again"
         ) from error
+
+
+_RECORD = TypeAdapter(Record)

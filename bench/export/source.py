@@ -18,6 +18,7 @@ from bench.export.truth_lines import TruthLines, find_truth_lines
 from models.arrays import Floats, Indices
 from models.camera import Camera
 from models.dataset.dataset import Dataset, open_dataset
+from models.dataset.split_file import read_splits
 from models.markers import MarkerPattern
 from models.spacecraft.catalogue import SPACECRAFT, spacecraft_by_name
 from models.spacecraft.part import Spacecraft
@@ -113,6 +114,11 @@ class Source:
     def folder(self) -> Path:
         """Where it lies."""
         return self.dataset.folder
+
+    @cached_property
+    def splits(self) -> dict[int, str] | None:
+        """What each frame is for, where the dataset brings its own splits."""
+        return read_splits(self.folder)
 
     @cached_property
     def fingerprint(self) -> str:

@@ -24,6 +24,7 @@ class Export:
 
         rvbench export out/xmm --as coco --out out/xmm-coco
         rvbench export out/s1 out/s2 out/s3 --as bop --split 0.8 0.1 0.1 --out out/bop
+        rvbench export out/mine --as coco --out out/mine-coco
         rvbench export out/xmm --as yolo-pose --tone asinh --out out/yolo
         rvbench export --check --out out/xmm-coco
 
@@ -35,7 +36,8 @@ class Export:
     out: Annotated[Path, arg(metavar="DIR")]
     """folder of the export"""
     datasets: Positional[Folders] = ()
-    """datasets; each is a scene, in the order given"""
+    """datasets; each is a scene, in the order given. Of one that `rvbench dataset` made, all of its
+    folders, with their splits"""
     as_: Annotated[Formats | None, arg(name="as", metavar="FORMAT", help_behavior_hint="")] = None
     """bop (scenewise), bop-imagewise, webdataset (BOP shards), speedplus, coco, yolo-pose or
     huggingface (imagefolder with Croissant)"""
@@ -55,7 +57,8 @@ class Export:
     """of images behind a Bayer filter: its upper left four pixels (rggb, grbg, gbrg or bggr); they
     leave in colours, else raw"""
     split: Annotated[tuple[float, float, float], arg(metavar="TRAIN VAL TEST")] = (0.8, 0.1, 0.1)
-    """shares of the frames; all streams of a frame go together"""
+    """shares of the frames; all streams of a frame go together. A dataset that brings its own
+    splits keeps them"""
     split_seed: Annotated[int, arg(metavar="N")] = 0
     """draws the splits; it is recorded"""
     split_block: Annotated[int, arg(metavar="N")] = 1

@@ -1,7 +1,7 @@
 """References of grain: tiles of frames, path-traced until their own noise is nothing.
 
-``python -P -m bench.grain.reference`` makes them anew, an hour of two cores; whatever changes the
-physics of light makes it due. They are kept beside the papers' tables.
+``python -P -m bench.grain.reference`` makes them anew, a quarter of an hour of a core;
+whatever changes the physics of light makes it due. They are kept beside the papers' tables.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from models.errors import RvbenchError
 from renders.store.light_keys import PHYSICS_VERSION
 
 FOLDER = Path(__file__).resolve().parents[1] / "reference" / "grain"
-SAMPLES = 16_384
+SAMPLES = 4096
 SEED = 16_000
 BITS = 12  # of an electron count's mantissa that are kept: 0.02 %
 

@@ -1,7 +1,7 @@
 """``make grain``: noise and bias of frames against references, by a case's samples and quieter.
 
 Each frame is traced with a seed of its own, its baked light too, and held against tiles that were
-path-traced with 16,384 samples a pixel. Times are processor time of light alone, bakes apart.
+path-traced with 4096 samples a pixel. Times are processor time of light alone, bakes apart.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
     Parameters
     ----------
     kind : str
-        case, camera, target or pipeline.
+        case, camera, target, dataset or pipeline.
     name : str
         The file will be NAME.toml, the package the folder NAME.
     folder : Path
@@ -66,6 +66,10 @@ def _files(kind: str, name: str) -> tuple[dict[str, str], str]:
 
         advice = f"rvbench estimate --frames DIR --camera {name}.toml --prior prior.toml"
         return {f"{name}.toml": camera_text(name)}, advice
+    if kind == "dataset":
+        from bench.new.dataset_text import dataset_text
+
+        return {f"{name}.toml": dataset_text(name)}, f"rvbench dataset {name}.toml --out out/{name}"
     if kind == "target":
         from bench.inspecting.start_text import target_text
 

@@ -17,9 +17,11 @@ class New:
         rvbench new case mine
         rvbench new camera my-camera
         rvbench new target my-probe
+        rvbench new dataset my-frames
         rvbench new pipeline my-finder
 
-    A case runs as it is: `rvbench run mine.toml --out out/mine`. So does a pipeline, a package of
+    A case runs as it is: `rvbench run mine.toml --out out/mine`. So does a dataset, sixty small
+    frames: `rvbench dataset my-frames.toml --out out/my-frames`. So does a pipeline, a package of
     one module: `pip install --editable ./my-finder`, and it estimates beside ours; it finds nothing
     until you write what it does. A target goes beside a mesh, my-probe.glb; where that is there,
     `rvbench inspect my-probe.glb` writes more of it. What is there already is never written over.
@@ -27,12 +29,12 @@ class New:
 
     kind: Positional[
         Annotated[
-            Literal["case", "camera", "target", "pipeline"],
-            arg(metavar="case|camera|target|pipeline"),
+            Literal["case", "camera", "target", "dataset", "pipeline"],
+            arg(metavar="case|camera|target|dataset|pipeline"),
         ]
     ]
-    """a scenario, a camera for `rvbench estimate --frames`, a spacecraft, or a package with a
-    pipeline"""
+    """a scenario, a camera for `rvbench estimate --frames`, a spacecraft, a specification of a
+    random dataset, or a package with a pipeline"""
     name: Positional[Annotated[str, arg(metavar="NAME")]]
     """the file will be NAME.toml, the package the folder NAME"""
 

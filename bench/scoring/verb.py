@@ -15,6 +15,7 @@ from bench.verbs import (
     Folder,
     OptionalCount,
     OptionalFile,
+    OptionalFolder,
     OptionalNumber,
     print_score,
 )
@@ -51,12 +52,17 @@ class Score:
     format: FormatName = "auto"
     """its format; auto finds it by what the file holds"""
     scene: OptionalCount = None
-    """of BOP results: the scene_id that is this dataset, where there are several"""
+    """of BOP results, or images named as in an export: the scene that is this dataset"""
     object: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     """of BOP results: the obj_id that is its target, where there are several"""
     trajectory_of: Literal["camera", "target"] = "camera"
     """what a TUM trajectory's rows are: the camera's poses in the target frame, or the target's in
     the camera's"""
+    exported: OptionalFolder = None
+    """an export of that dataset (`rvbench export`), by whose numbers of scenes and objects the file
+    goes"""
+    split: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    """with --exported, the split whose frames are judged (train, val or test); all unless given"""
     vsd_px: Annotated[int, arg(metavar="N")] = 512
     """pixels along the image's longer side that BOP's VSD looks at; 0 leaves VSD out"""
     out: OptionalFile = None
@@ -92,6 +98,8 @@ class Score:
             scene=self.scene,
             target=self.object,
             trajectory_of=self.trajectory_of,
+            exported=self.exported,
+            split=self.split,
             vsd_px=self.vsd_px,
         )
         from bench.compare.tables import recall_table, summary_table
@@ -111,7 +119,7 @@ class Score:
     def _refuse_options_of_files(self) -> None:
         for name, default in (
             ("format", "auto"), ("scene", None), ("object", None), ("out", None),
-            ("trajectory_of", "camera"), ("vsd_px", 512),
+            ("trajectory_of", "camera"), ("vsd_px", 512), ("exported", None), ("split", None),
         ):  # fmt: skip
             if getattr(self, name) != default:
                 raise ScenarioError(

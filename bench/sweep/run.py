@@ -34,7 +34,7 @@ from models.errors import ScenarioError, StorageError
 from models.frame import Frame
 from models.onboard import OnboardKnowledge
 from models.plain_console import plain_console
-from renders.batches.render_case import provenance
+from renders.batches.case_rendering import provenance
 from renders.batches.sweep_batches import scenario_at
 from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant

@@ -49,7 +49,7 @@ class Workers:
         if self._pool is None:
             # Not forked: this process may hold the threads of Dr.Jit, which a fork would lose.
             self._pool = ProcessPoolExecutor(
-                self.count, multiprocessing.get_context("spawn"), initializer=_begin
+                self.count, multiprocessing.get_context("spawn"), initializer=begin_worker
             )
         numbers: dict[Future[Result], int] = {
             self._pool.submit(work, *task): number for number, task in enumerate(tasks)
@@ -62,7 +62,7 @@ class Workers:
                 future.cancel()
 
 
-def _begin() -> None:
+def begin_worker() -> None:
     """Prepare a worker: one thread, Ctrl-C left to its parent, and never to outlive it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)

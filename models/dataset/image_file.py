@@ -51,10 +51,10 @@ def read_image(path: Path, camera: Camera | None = None) -> Image:
         data = read_bytes(path, MOST_IMAGE_BYTES)
     except UnreadableError as error:
         raise DatasetError(f"expected an image at {path}, got: {error.told}; {MEND}") from error
-    whole = _size_in(data) is not None and data.rstrip(b"\0").endswith(PNG_END)
+    whole = png_size(data) is not None and data.rstrip(b"\0").endswith(PNG_END)
     if whole and camera is not None:
         _check_size(path, data, camera)
-    image = _decoded(data) if whole else None
+    image = decoded_png(data) if whole else None
     if image is None:
         raise DatasetError(
             f"expected a whole PNG at {path}, got {len(data)} bytes that are not; "
@@ -84,7 +84,7 @@ def check_image_size(path: Path, camera: Camera) -> None:
 
 
 def _check_size(path: Path, data: bytes, camera: Camera) -> None:
-    size = _size_in(data)
+    size = png_size(data)
     if size != (camera.width, camera.height):
         told = "no PNG" if size is None else f"{size[0]} x {size[1]}"
         raise DatasetError(
@@ -93,14 +93,15 @@ def _check_size(path: Path, data: bytes, camera: Camera) -> None:
         )
 
 
-def _size_in(data: bytes) -> tuple[int, int] | None:
+def png_size(data: bytes) -> tuple[int, int] | None:
     """Return the width and height that a PNG says it has; None if it is no PNG."""
     if len(data) < HEADER_BYTES or not data.startswith(PNG_BEGIN):
         return None
     return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
 
 
-def _decoded(data: bytes) -> Image | None:
+def decoded_png(data: bytes) -> Image | None:
+    """Return the (height, width) image that bytes hold; None if they hold none."""
     try:
         return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:  # a size beyond all that OpenCV takes

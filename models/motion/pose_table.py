@@ -7,7 +7,9 @@
 
 in one line, or the same eight with ``target_from_cam`` for ``cam_from_target``: each way says
 which it is. Quaternions are scalar first. Beside them, where they are known: ``sun_x,sun_y,sun_z``,
-the unit vector towards the Sun in target axes, and ``exposure_ms``.
+the unit vector towards the Sun in target axes, ``exposure_ms``, and what stands behind:
+``earth_x,earth_y,earth_z``, the unit vector towards the Earth's centre in target axes, three zeros
+where there is none; and ``stars``, 1 where they are seen and 0 where not.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.arrays import Floats
+from models.arrays import Floats, Mask
 from models.errors import DatasetError
 from models.pose import RigidTransform
 from models.reading.bounds import EXPOSURE_MS, LENGTH_M
@@ -28,7 +30,8 @@ from models.reading.regular_file import MEGABYTE, read_lines
 
 WAYS = ("cam_from_target", "target_from_cam")
 SUN = ("sun_x", "sun_y", "sun_z")
-EXPOSURE = "exposure_ms"
+EARTH = ("earth_x", "earth_y", "earth_z")
+EXPOSURE, STARS = "exposure_ms", "stars"
 MOST_BYTES = 24 * MEGABYTE
 MOST_ROWS = 100_000
 ROUNDING_S = 1e-9  # of a time that was counted in frames
@@ -48,12 +51,18 @@ class PoseTable:
     sun_dirs_in_target : (n, 3) array or None
         Unit vectors towards the Sun.
     exposures_ms : (n,) array or None, ms
+    earth_dirs_in_target : (n, 3) array or None
+        Unit vectors towards the Earth's centre; zeros where there is no Earth.
+    stars : (n,) array of bool or None
+        Whether they are seen.
     """
 
     times_s: Floats
     poses: tuple[RigidTransform, ...]
     sun_dirs_in_target: Floats | None = None
     exposures_ms: Floats | None = None
+    earth_dirs_in_target: Floats | None = None
+    stars: Mask | None = None
 
     def __len__(self) -> int:
         return len(self.poses)
@@ -96,7 +105,7 @@ def pose_table(lines: Sequence[str], where: Path | str) -> PoseTable:
     """
     header = lines[0].split(",") if lines else []
     way = _way(header, where)
-    rows = csv_rows(lines, where, pose_columns(way), (*SUN, EXPOSURE))
+    rows = csv_rows(lines, where, pose_columns(way), (*SUN, EXPOSURE, *EARTH, STARS))
     if not 0 < len(rows) <= MOST_ROWS:
         raise DatasetError(f"{where}: expected 1 to {MOST_ROWS} rows, got {len(rows)}")
     times_s = [row.number("time_s", 0.0, LATEST_S, unit="s") for row in rows]
@@ -105,12 +114,7 @@ def pose_table(lines: Sequence[str], where: Path | str) -> PoseTable:
             raise row.refusal(
                 "time_s", f"to rise, above {before:g} s of the row before", f"{after:g}"
             )
-    suns = [name for name in SUN if name in header]
-    if suns and len(suns) < len(SUN):
-        raise DatasetError(
-            f"{where}:1: expected all of the columns {', '.join(SUN)} or none of them, "
-            f"got {', '.join(suns)}"
-        )
+    suns, earths = _has_all(SUN, header, where), _has_all(EARTH, header, where)
     exposures_ms = None
     if EXPOSURE in header:
         exposures_ms = np.array([row.number(EXPOSURE, *EXPOSURE_MS, unit="ms") for row in rows])
@@ -119,7 +123,20 @@ def pose_table(lines: Sequence[str], where: Path | str) -> PoseTable:
         poses=tuple(_pose(row, way) for row in rows),
         sun_dirs_in_target=np.stack([_sun(row) for row in rows]) if suns else None,
         exposures_ms=exposures_ms,
+        earth_dirs_in_target=np.stack([_earth(row) for row in rows]) if earths else None,
+        stars=np.array([_flag(row, STARS) for row in rows]) if STARS in header else None,
     )
+
+
+def _has_all(names: Sequence[str], header: Sequence[str], where: Path | str) -> bool:
+    """Tell whether columns that belong together are there; refuse some of them."""
+    there = [name for name in names if name in header]
+    if there and len(there) < len(names):
+        raise DatasetError(
+            f"{where}:1: expected all of the columns {', '.join(names)} or none of them, "
+            f"got {', '.join(there)}"
+        )
+    return bool(there)
 
 
 def _way(header: Sequence[str], where: Path | str) -> str:
@@ -154,6 +171,20 @@ def _pose(row: CsvRow, way: str) -> RigidTransform:
 
 def _sun(row: CsvRow) -> Floats:
     return _unit(row, list(SUN), "as a vector of length 1 towards the Sun, in target axes")
+
+
+def _earth(row: CsvRow) -> Floats:
+    if not any(row.number(key, -2.0, 2.0) for key in EARTH):
+        return np.zeros(3)
+    expected = "as a vector of length 1 towards the Earth, in target axes, or three zeros"
+    return _unit(row, list(EARTH), expected)
+
+
+def _flag(row: CsvRow, key: str) -> bool:
+    value = row.number(key, 0.0, 1.0)
+    if value not in (0.0, 1.0):
+        raise row.refusal(key, "as 0 or 1", f"{value:g}")
+    return value == 1.0
 
 
 def _unit(row: CsvRow, keys: list[str], expected: str) -> Floats:

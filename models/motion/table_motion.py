@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from models.arrays import Floats
+from models.arrays import Floats, Indices
 from models.errors import ScenarioError
 from models.motion.pose_table import ROUNDING_S, PoseTable
 from models.pose import RigidTransform
@@ -73,6 +74,34 @@ class Stills:
     def exposure_ms(self, time_s: float) -> float:
         """Return the exposure time of the row at a time, ms."""
         return float(_given(self.table.exposures_ms, "an exposure_ms")[self.row(time_s)])
+
+    def first_row(self, time_s: float) -> int:
+        """Return the first of the rows up to that at a time which are at its pose without a break.
+
+        Light of one pose under several Suns is traced together.
+        """
+        return int(self._first_rows[self.row(time_s)])
+
+    def earth_dir_in_target(self, time_s: float) -> Floats | None:
+        """Return the unit vector towards the Earth of the row at a time, (3,).
+
+        It is zero where the row has no Earth, and None where the table does not say.
+        """
+        towards = self.table.earth_dirs_in_target
+        return None if towards is None else towards[self.row(time_s)]
+
+    def shows_stars(self, time_s: float) -> bool:
+        """Tell whether stars are seen in the row at a time: everywhere unless the table says."""
+        return self.table.stars is None or bool(self.table.stars[self.row(time_s)])
+
+    @cached_property
+    def _first_rows(self) -> Indices:
+        same = [
+            np.array_equal(one.matrix(), other.matrix())
+            for one, other in pairwise(self.table.poses)
+        ]
+        numbers = np.arange(len(self.table))
+        return np.maximum.accumulate(np.where([False, *same], 0, numbers))
 
     @cached_property
     def _ends_s(self) -> Floats:

@@ -103,6 +103,20 @@ def read_lines(
     return [line.removesuffix("\r") for line in lines]
 
 
+def check_regular(path: Path) -> None:
+    """Refuse what is no regular file, nor a link to one, for who reads it piece by piece.
+
+    Raises
+    ------
+    UnreadableError
+        If it is missing, or something else.
+    """
+    try:
+        _refuse_other_kinds(path, os.stat(path).st_mode)
+    except OSError as error:
+        raise UnreadableError(path, cause(error)) from error
+
+
 def _refuse_other_kinds(path: Path, mode: int) -> None:
     if not stat.S_ISREG(mode):
         kind = KINDS.get(stat.S_IFMT(mode), "something else")

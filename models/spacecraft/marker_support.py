@@ -2,7 +2,7 @@
 
 The paper mounts its markers on dedicated supports, off the blanket (Opromolla et al. 2022,
 sections 2 and 3.1). A plate lies 1 mm behind its marker's face and is as wide as its neighbours'
-lines of sight allow.
+lines of sight allow; a bezel, flush with the face so that it hides nothing of it, holds the cube.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from models.spacecraft.solids import (
     cylinder,
     hexagon,
     joined,
+    lathe,
     placed,
     prism,
     shifted,
@@ -33,6 +34,7 @@ PLATE_RADIUS_M = 0.045
 POST_RADIUS_M = 0.010
 BASE_M = 0.09
 BASE_LIFT_M = 0.003
+BEZEL_GAP_M, BEZEL_M = 0.0003, 0.0025
 SIGHT_MARGIN_M = 0.002
 
 
@@ -45,7 +47,21 @@ def marker_support_parts(markers: MarkerPattern) -> tuple[Part, ...]:
             markers.points_in_target, markers.normals_in_target, widths, strict=True
         )
     ]
-    return (Part(SUPPORTS, joined(supports), "black_paint"),)
+    bezels = [
+        placed(lathe(_bezel(markers.radius_m), 48), standing(point, normal))
+        for point, normal in zip(markers.points_in_target, markers.normals_in_target, strict=True)
+    ]
+    return (
+        Part(SUPPORTS, joined(supports), "black_paint"),
+        Part(SUPPORTS, joined(bezels), "anodised_aluminium"),
+    )
+
+
+def _bezel(radius_m: float) -> list[tuple[float, float]]:
+    """Return the section, (radius, height) m, of the ring around a marker's face."""
+    inner, outer = radius_m + BEZEL_GAP_M, radius_m + BEZEL_GAP_M + BEZEL_M
+    bottom = -FACE_PROUD_M
+    return [(inner, bottom), (outer, bottom), (outer, 0.0), (inner, 0.0), (inner, bottom)]
 
 
 def plate_radii(markers: MarkerPattern) -> Floats:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from renders.store.kept_light import ALL_LIGHT, LightKeeping
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, as_half
 from renders.tracing.light_groups import LightGroup, SunGroup
+from renders.tracing.noise_limit import NoiseLimit
 from renders.truth.makers import SealedRecord
 from renders.variant.choice import activate
 from renders.world.exposure import Exposure
@@ -50,8 +51,12 @@ class Studio:
     sunlit: Sunlit | None = None
     _landed: dict[SunGroup, Landings] = field(default_factory=dict, init=False)
     """Bounced light that was followed or read, by its Sun."""
+    _waiting: dict[int, dict[str, AnyArray]] = field(default_factory=dict, init=False)
+    """Light of the pose last traced in each band, in half floats, by its keys."""
     _filled: tuple[RigidTransform, Mask | None] | None = field(default=None, init=False)
     """A pose, and the pixels that spacecraft can fill from there."""
+    _met: tuple[RigidTransform, PixelTruth] | None = field(default=None, init=False)
+    """A pose, and what each pixel meets from there."""
 
     def build(self, cam_from_target: RigidTransform) -> None:
         """Load the scene once, and put the chaser in its place unless it stands there."""
@@ -70,9 +75,20 @@ class Studio:
         return {group.name: self.keys.group(exposure, cam_from_target, group) for group in groups}
 
     def light(
-        self, exposure: Exposure, cam_from_target: RigidTransform
+        self,
+        exposure: Exposure,
+        cam_from_target: RigidTransform,
+        company: Sequence[Exposure] = (),
     ) -> dict[LightGroup, Radiance]:
         """Return what lights an exposure's frame, from the store or traced now.
+
+        Parameters
+        ----------
+        exposure : Exposure
+        cam_from_target : RigidTransform
+        company : sequence of Exposure
+            Others at this pose that will be asked for next: their light is traced in the same pass
+            and waits for them, and what they share is traced once. No bit of it is another.
 
         Returns
         -------
@@ -82,15 +98,41 @@ class Studio:
         there = read_groups(self.store, self.world, exposure, keys)
         if there is not None:
             return there
-        images = self._traced_and_kept(exposure, cam_from_target, keys)
+        if not set(keys.values()) <= set(self._waiting.get(exposure.band, {})):
+            self._trace_together([exposure, *company], cam_from_target)
+        images = self._kept(exposure, keys)
         return {group: images[group.name] for group in self.world.lit_by(exposure)}
 
-    def _traced_and_kept(
-        self, exposure: Exposure, cam_from_target: RigidTransform, keys: dict[str, str]
-    ) -> dict[str, Radiance]:
-        """Trace all groups; rounded as in the store, so that frames are the same to the bit."""
-        traced = self.trace(exposure, cam_from_target, self.world.groups(exposure))
-        halves = {name: as_half(image) for name, image in traced.items()}
+    def _trace_together(
+        self, exposures: Sequence[Exposure], cam_from_target: RigidTransform
+    ) -> None:
+        """Trace all groups of exposures in one pass; rounded as in the store, to the same bits."""
+        first = exposures[0]
+        anywhere = self.world.shows_earth(first, cam_from_target)
+        wanted: dict[str, tuple[Exposure, LightGroup]] = {}
+        for exposure in exposures:
+            if self.world.shows_earth(exposure, cam_from_target) == anywhere:  # of the same pixels
+                for group in self.world.groups(exposure):
+                    key = self.keys.group(exposure, cam_from_target, group)
+                    wanted.setdefault(key, (exposure, group))
+        named, limits = dict[str, LightGroup](), dict[str, NoiseLimit]()
+        for exposure, group in wanted.values():
+            own = noise_limits(self.world, exposure, [group], self.keys.prior)
+            if group.name in named:  # another Sun of the same table
+                group = replace(group, name=f"{group.name} {len(named)}")
+            named[group.name] = group
+            if own is not None:
+                limits[group.name] = next(iter(own.values()))
+        traced = self.trace(first, cam_from_target, list(named.values()), limits or None)
+        self._waiting[first.band] = {
+            key: as_half(image)
+            for key, image in zip(wanted, (traced[name] for name in named), strict=True)
+        }
+
+    def _kept(self, exposure: Exposure, keys: dict[str, str]) -> dict[str, Radiance]:
+        """Return an exposure's traced groups, by name; they go to the store if they are kept."""
+        waiting = self._waiting[exposure.band]
+        halves = {name: waiting[key] for name, key in keys.items()}
         if self.kept.keeps(exposure.frame):
             self.store.write_all({keys[name]: half for name, half in halves.items()})
             for group in self.world.lit_by(exposure):
@@ -111,6 +153,7 @@ class Studio:
         exposure: Exposure,
         cam_from_target: RigidTransform,
         groups: Sequence[LightGroup],
+        limits: Mapping[str, NoiseLimit] | None = None,
     ) -> dict[str, Radiance]:
         """Trace groups in one pass; nothing is stored.
 
@@ -119,6 +162,8 @@ class Studio:
         exposure : Exposure
         cam_from_target : RigidTransform
         groups : sequence of LightGroup
+        limits : mapping of NoiseLimit, optional
+            By the name of a group; as the exposure has them unless given.
 
         Returns
         -------
@@ -142,7 +187,7 @@ class Studio:
                 marker_samples=render.marker_samples,
                 max_depth=render.max_depth,
                 seed=self.world.render_seed(exposure.frame),
-                noise=noise_limits(self.world, exposure, groups, self.keys.prior),
+                noise=limits or noise_limits(self.world, exposure, groups, self.keys.prior),
                 found=self._found(exposure, cam_from_target, groups),
             ),
             in_view,
@@ -197,13 +242,18 @@ class Studio:
         from renders.truth.pixel_truth import pixel_truth
 
         self.build(cam_from_target)
-        return pixel_truth(
-            self.scene,
-            self.geometry,
-            self.world.camera,
-            cam_from_target,
-            self._silhouette(cam_from_target),
-        )
+        if self._met is None or self._met[0] is not cam_from_target:
+            self._met = (
+                cam_from_target,
+                pixel_truth(
+                    self.scene,
+                    self.geometry,
+                    self.world.camera,
+                    cam_from_target,
+                    self._silhouette(cam_from_target),
+                ),
+            )
+        return self._met[1]
 
     def _silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
         """Return the pixels that spacecraft can fill; light and truth of a pose share them."""

@@ -59,9 +59,10 @@ def compose(
     for glare in _glares(world, groups, exposure):
         rate += glare * np.float32(electrons_per_radiance(optics, detector, SUNLIGHT_NM))
     mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m)
-    if world.scenario.stars.shine:
+    if world.scenario.stars.shine and world.sky.shows_stars(exposure.time_s):
         mean_e += star_electrons(world, exposure.time_s, exposure_ms, depth_m)
-    key = (run, exposure.frame, exposure.band)
+    own_seed = world.scenario.exposure.noise_seed
+    key = (run, exposure.frame, exposure.band, *(() if own_seed is None else (own_seed,)))
     radiation = world.scenario.simulated_radiation
     particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)
     return expose_electrons(mean_e, detector, exposure_rng(*key), particles_e)

@@ -189,12 +189,14 @@ def expose_electrons(
     return np.clip(level, 0, detector.max_dn).astype(np.uint16)
 
 
-def exposure_rng(run: int, frame: int, band: int) -> np.random.Generator:
+def exposure_rng(run: int, frame: int, band: int, *seeds: int) -> np.random.Generator:
     """Return the random numbers of one exposure: keyed, never drawn in sequence.
 
     Parameters
     ----------
     run, frame, band : int
         The band is 800 or 850, or another number that tells the exposures of a frame apart.
+    *seeds : int
+        That of a case whose noise is its own.
     """
-    return np.random.default_rng(np.random.SeedSequence([run, frame, band]))
+    return np.random.default_rng(np.random.SeedSequence([run, frame, band, *seeds]))

@@ -47,7 +47,7 @@ def radiation_hits(
     detector: Detector,
     shape: tuple[int, int],
     exposure_ms: float,
-    key: tuple[int, int, int],
+    key: tuple[int, ...],
 ) -> Floats | None:
     """Return the charge that particles leave in one exposure; None if none fly.
 
@@ -58,8 +58,9 @@ def radiation_hits(
     shape : (int, int), px
         Height and width of the image.
     exposure_ms : float, ms
-    key : (int, int, int)
-        (run, frame, band); the noise of the exposure is drawn apart and stays as it was.
+    key : tuple of int
+        (run, frame, band), and the case's own seed if it has one; the noise of the exposure is
+        drawn apart and stays as it was.
 
     Returns
     -------

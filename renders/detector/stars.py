@@ -135,7 +135,7 @@ def _in_field(in_cam: Floats, camera: Camera) -> Mask:
 
 
 def _behind_the_earth(world: World, in_target: Floats, time_s: float) -> Mask:
-    if not world.sky.earth.shines:
+    if not world.sky.shows_earth(time_s):
         return np.zeros(len(in_target), dtype=bool)
     direction, radius_km = world.earth_at(time_s)
     sine = EARTH_RADIUS_KM / radius_km

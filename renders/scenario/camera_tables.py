@@ -176,6 +176,13 @@ class ExposureTable(Table):
     schedule_ms: Annotated[tuple[ScheduleRow, ...], Field(strict=False, max_length=10_000)] = Field(
         (), description="schedule: [time_s, exposure_ms] in order of time, linear between"
     )
+    noise_seed: int | None = Field(
+        None,
+        ge=0,
+        le=2**63 - 1,
+        description="of the detector's noise, beside run, frame and stream: cases without one "
+        "share its draws frame by frame",
+    )
 
 
 NEAREST_FOCUS_M = 0.1  # lenses of this kind focus no nearer; a thin lens never within its f

@@ -42,7 +42,8 @@ def with_files_read(table: dict[str, Any], path: Path) -> dict[str, Any]:
     """
     table = {key: dict(value) if isinstance(value, dict) else value for key, value in table.items()}
     with_own_target_read(table, path)
-    _read_camera(table, path)
+    if "camera" in table:
+        table["camera"] = with_camera_read(table["camera"], path)
     if isinstance(table.get("markers"), str):
         file = path.parent / table["markers"]
         _read(lambda: read_markers(file))
@@ -56,19 +57,33 @@ def with_files_read(table: dict[str, Any], path: Path) -> dict[str, Any]:
     return table
 
 
-def _read_camera(table: dict[str, Any], path: Path) -> None:
-    camera = table.get("camera")
+def with_camera_read(camera: Any, path: Path) -> Any:
+    """Return a table of a camera with the file that it names read into it; others as they are.
+
+    Parameters
+    ----------
+    camera : Any
+        As a file has it.
+    path : Path
+        That file; the camera's is named from its folder.
+
+    Raises
+    ------
+    ScenarioError
+        If it cannot be read, or the table says what it says as well.
+    """
     if not isinstance(camera, dict) or not isinstance(camera.get("file"), str):
-        return
+        return camera
     twice = [key for key in CameraTable.model_fields if key in camera and key not in BESIDE_A_FILE]
     if twice:
         raise ScenarioError(
             f"{path}: expected camera.file alone, or the keys of a camera, got file = "
             f"{camera['file']!r} and {', '.join(twice)}; leave one of them out"
         )
-    own = asdict(Camera.from_toml(path.parent / camera.pop("file")))
+    rest = {key: value for key, value in camera.items() if key != "file"}
+    own = asdict(Camera.from_toml(path.parent / camera["file"]))
     sides = ("width", "height")
-    camera |= {name: x if name in sides else float(x) for name, x in own.items()}
+    return rest | {name: x if name in sides else float(x) for name, x in own.items()}
 
 
 def _read_poses(table: dict[str, Any], path: Path) -> None:

@@ -161,6 +161,14 @@ def _check_poses(scenario: Scenario, where: str) -> None:
     motion, table = scenario.motion, table_motion_of(scenario).table
     unused = [*UNUSED_BY_POSES, *(UNUSED_BY_STILLS if takes_stills(scenario) else ())]
     _refuse_unused(scenario, unused, where)
+    if not takes_stills(scenario) and (
+        table.earth_dirs_in_target is not None or table.stars is not None
+    ):
+        raise ScenarioError(
+            f'{where}: expected columns of the Earth and of stars with motion.poses = "stills", '
+            "where each row has its own sky, got them in a table that is interpolated; leave them "
+            "out"
+        )
     first, last = float(table.times_s[0]), float(table.times_s[-1])
     if motion.start_s < first - ROUNDING_S or motion.end_s > last + ROUNDING_S:
         raise ScenarioError(

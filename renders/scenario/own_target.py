@@ -63,6 +63,11 @@ class OwnTargetTable(Table):
         try:
             built = own_target(self.lines, self.file, Path(self.file).parent)
         except DatasetError as error:
+            if isinstance(error.__cause__, FileNotFoundError):
+                raise ScenarioError(
+                    f"{where}: expected the mesh that its target is made of, and what lies beside "
+                    f"it, got: {error}; put it back"
+                ) from error
             raise ScenarioError(str(error)) from error
         if built.files_sha256 != self.files_sha256:
             raise ScenarioError(

@@ -10,7 +10,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import tomli_w
 from pydantic import Field, ValidationError
@@ -60,6 +60,7 @@ from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.sun_choice import check_suns
+from renders.scenario.surface_tables import SurfaceTable
 from renders.scenario.table import Name, Prose, Table
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable, check_told
 from renders.scenario.tumble_tables import TumbleTable, check_tumble
@@ -151,6 +152,9 @@ class Scenario(Table):
         None, description="your own, in a file or here, instead of the target's"
     )
     told: ToldTable | None = Field(None, description="what a pipeline is told otherwise")
+    surface: Annotated[tuple[SurfaceTable, ...], Field(strict=False, max_length=100)] | None = (
+        Field(None, description="materials of this specimen that differ from the house's")
+    )
     own_target: OwnTargetTable | None = Field(None, description="as its file had it")
 
     @property

@@ -148,6 +148,40 @@ def _map_directions(row: Floats, column: Floats) -> Floats:
     return np.stack([np.sin(azimuth) * sine, np.cos(polar), -np.cos(azimuth) * sine], axis=-1)
 
 
+def group_scene(geometry: SceneGeometry, group: LightGroup, cam_from_target: RigidTransform) -> Any:
+    """Load the scene with the emitters of one group, the chaser in its place.
+
+    Parameters
+    ----------
+    geometry : SceneGeometry
+    group : LightGroup
+    cam_from_target : RigidTransform
+    """
+    if isinstance(group, SunGroup):
+        scene = geometry.scene(sun=_sun_emitter(group))
+    elif isinstance(group, EarthGroup):
+        scene = geometry.scene(earth=_earth_emitter(group))
+    else:
+        scene = geometry.scene(**_lamp_emitters(group, cam_from_target))
+    place_chaser(scene, geometry, cam_from_target)
+    return scene
+
+
+def turn_sun(scene: Any, direction: Floats) -> None:
+    """Let a scene's Sun shine from another place of its disc.
+
+    Parameters
+    ----------
+    scene : mitsuba.Scene
+        Of ``group_scene``.
+    direction : (3,) array
+        Unit vector to that place.
+    """
+    params = mi.traverse(scene)
+    params["sun.to_world"] = _sun_transform(direction)
+    params.update()
+
+
 def render_group(
     geometry: SceneGeometry,
     camera: Camera,
@@ -182,19 +216,12 @@ def render_group(
     directions: list[Floats | None] = [None]
     if isinstance(group, SunGroup):
         directions = list(sun_disc_directions(group, min(SUN_PASSES, samples)))
-        scene = geometry.scene(sun=_sun_emitter(group))
-    elif isinstance(group, EarthGroup):
-        scene = geometry.scene(earth=_earth_emitter(group))
-    else:
-        scene = geometry.scene(**_lamp_emitters(group, cam_from_target))
-    place_chaser(scene, geometry, cam_from_target)
+    scene = group_scene(geometry, group, cam_from_target)
     images = [np.zeros((window[3], window[2])) for window in windows]
     each = max(1, round(samples / len(directions)))
     for number, direction in enumerate(directions):
         if direction is not None:
-            params = mi.traverse(scene)
-            params["sun.to_world"] = _sun_transform(direction)
-            params.update()
+            turn_sun(scene, direction)
         turn = (seed + number) % 2**32
         rendered = render_windows(
             scene, camera, cam_from_target, windows, each, max_depth + 1, turn

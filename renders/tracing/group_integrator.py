@@ -62,6 +62,7 @@ def _trace(
     width: Any,
     max_depth: Any,
     segments: Any,
+    pixel_rad: Any,
     key: Any,
 ) -> Any:
     """Return lists, one array over the lanes for each light: sums of radiance, and its moments.
@@ -93,7 +94,8 @@ def _trace(
             si = scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, depth == 0, active)
             escaped = active & ~si.is_valid()
             active &= si.is_valid() & (depth < max_depth)
-            surface = surfaces.seen(si, ray, bands, active)
+            seen_by = dr.select(depth == 0, pixel_rad, dr.inf)  # bounced light sees the mean
+            surface = surfaces.seen(si, ray, bands, active, seen_by)
             if dr.hint(len(paths.names) > 0, mode="scalar"):
                 end = lens_end(surface.normal, -ray.d, si.t, pixel_sr)
                 ratio = dr.select(depth == 0, end, ratio)
@@ -308,6 +310,7 @@ class Walk:
             mi.UInt32(self.camera.width),
             dr.opaque(mi.UInt32, self.max_depth),
             dr.opaque(mi.UInt32, self.max_depth + 1 if wide else self.max_depth),
+            dr.opaque(mi.Float, 1.0 / max(self.camera.fx, self.camera.fy)),
             pixel_keys(seed, pixels),
         )
 

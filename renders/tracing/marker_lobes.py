@@ -19,12 +19,15 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from renders.tracing.corner_cube import CubeView, aperture_share
+from renders.tracing.detail_passes import LEAST_FACING
 from renders.tracing.light_groups import LampGroup
 from renders.tracing.retroreflector import active_aperture
-from renders.tracing.scene import SceneGeometry, marker_transform, place_chaser
+from renders.tracing.scene import SceneGeometry, disc_place, marker_transform, place_chaser
 from renders.tracing.windows import Window, render_windows
 
 LIFT_M = 1e-4  # a shadow ray starts this far in front of its disc
+PLACES = 8  # along each side of a pixel, for what it sees of a cube
 SHORT = 1.0 - 1e-4  # and ends this share of its way before the lamp
 
 
@@ -135,13 +138,17 @@ def add_lobes(
     pixels = np.stack([columns, rows], axis=1).astype(np.float64)
     rays = target_from_cam.rotate(camera.rays(pixels))
     for row, column, ray in zip(rows, columns, rays, strict=True):
-        point, normal = _met_disc(discs, lens, ray)
+        number, point = _met_disc(discs, lens, ray)
+        normal = discs.normals_in_target[number]
         radiance = lobe_radiance(scene, point, normal, lens, axis, lamps, leds, geometry.optics)
+        if radiance > 0.0:
+            within = target_from_cam.rotate(camera.rays(_within_pixel(int(column), int(row))))
+            radiance *= _seen_share(discs, number, lens, within, leds, geometry.optics, camera)
         image[row, column] += covered[row, column] * radiance
 
 
-def _met_disc(discs: MarkerPattern, lens: Floats, ray: Floats) -> tuple[Floats, Floats]:
-    """Return where a ray meets the nearest disc, or the rim's nearest point if it passes by."""
+def _met_disc(discs: MarkerPattern, lens: Floats, ray: Floats) -> tuple[int, Floats]:
+    """Return which disc is nearest to a ray, and where it is met, or the rim's nearest point."""
     to_centres = discs.points_in_target - lens
     unit = ray / np.linalg.norm(ray)
     passing = np.linalg.norm(np.cross(to_centres, unit), axis=1)
@@ -150,4 +157,54 @@ def _met_disc(discs: MarkerPattern, lens: Floats, ray: Floats) -> tuple[Floats, 
     met = lens + ray * ((to_centres[number] @ normal) / (ray @ normal))
     off_centre = met - centre
     stretch = max(1.0, float(np.linalg.norm(off_centre)) / discs.radius_m)
-    return centre + off_centre / stretch, normal
+    return number, centre + off_centre / stretch
+
+
+def _within_pixel(column: int, row: int) -> Floats:
+    """Return places spread over a pixel, (n, 2) px."""
+    offsets = (np.arange(PLACES) + 0.5) / PLACES - 0.5
+    u, v = np.meshgrid(column + offsets, row + offsets)
+    return np.stack([u.ravel(), v.ravel()], axis=1)
+
+
+def _seen_share(
+    discs: MarkerPattern,
+    number: int,
+    lens: Floats,
+    rays: Floats,
+    leds: Floats,
+    optics: RetroreflectorOptics,
+    camera: Camera,
+) -> float:
+    """Return what a pixel sees of a cube's aperture, over what an effective disc would show."""
+    centre, normal = discs.points_in_target[number], discs.normals_in_target[number]
+    place = disc_place(centre, normal, discs.radius_m)
+    met = lens + rays * (((centre - lens) @ normal) / (rays @ normal))[:, None]
+    off = (met - centre) / discs.radius_m
+    x, y = off @ np.array(place.along), off @ np.array(place.across)
+    on_disc = x * x + y * y < 1.0
+    if not on_disc.any():
+        return 1.0
+    x, y = x[on_disc], y[on_disc]
+    to_lens = lens - met[on_disc]
+    distance = np.linalg.norm(to_lens, axis=1)
+    viewer = to_lens / distance[:, None]
+    width = distance / max(camera.fx, camera.fy)
+    pixel = width / np.sqrt(np.maximum(viewer @ normal, LEAST_FACING)) / discs.radius_m
+    shares = []
+    for led in leds:
+        half = viewer + (led - centre) / np.linalg.norm(led - centre)
+        half /= np.linalg.norm(half, axis=1)[:, None]
+        effective = np.array(
+            [float(active_aperture(float(c), optics.refractive_index)) for c in half @ normal]
+        )
+        share = aperture_share(
+            np,
+            CubeView(x, y, pixel, discs.radius_m / distance),
+            half @ np.array(place.along),
+            half @ np.array(place.across),
+            optics.refractive_index,
+            effective,
+        )
+        shares.append(share.mean() / max(float(effective.mean()), 1e-9))
+    return float(np.mean(shares))

@@ -22,6 +22,7 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.adaptive import trace_to_noise
+from renders.tracing.detail_passes import add_detail
 from renders.tracing.emitter_by_emitter import render_group
 from renders.tracing.group_integrator import Walk, trace_groups
 from renders.tracing.light_groups import LampGroup, LightGroup
@@ -262,6 +263,7 @@ def _one_by_one(
         for window, patch in zip(shining, fine, strict=True):
             column, row, across, down = window
             image[row : row + down, column : column + across] = patch
+        add_detail(image, *common, (left, top, width, height), sampling.samples, seed)
         if isinstance(group, LampGroup) and geometry.discs is not None:
             discs = marker_windows(geometry.discs, camera, cam_from_target)
             samples = max(NEAR_SAMPLES, sampling.marker_samples)

@@ -7,7 +7,7 @@ integrator samples light groups itself, and the scalar one adds emitters of its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,8 @@ from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
-from renders.tracing.surfaces import Surface, bsdf_dict, surface_of, surface_of_disc
+from models.surface_detail import PLAIN
+from renders.tracing.surfaces import DiscPlace, Surface, bsdf_dict, surface_of, surface_of_disc
 from renders.truth.part_names import CHASER_LABEL, MARKER_LABEL
 
 if TYPE_CHECKING:
@@ -149,6 +150,23 @@ def marker_transform(point: Floats, normal: Floats, radius_m: float) -> Floats:
     return matrix
 
 
+def disc_place(point: Floats, normal: Floats, radius_m: float) -> DiscPlace:
+    """Return where a marker's disc lies, with the axes of ``marker_transform``.
+
+    Parameters
+    ----------
+    point : (3,) array, m
+        The disc's centre, target frame.
+    normal : (3,) array
+        Of any length.
+    radius_m : float, m
+    """
+    matrix = marker_transform(point, normal, radius_m)
+    along, across = (tuple(float(x) for x in matrix[:3, k] / radius_m) for k in range(2))
+    centre = tuple(float(x) for x in point)
+    return DiscPlace(centre, along, across, float(radius_m))  # type: ignore[arg-type]
+
+
 def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh:
     """Return a marker's face as a polygon of its area, with its normal.
 
@@ -235,13 +253,15 @@ def build_geometry(
             mesh = disc_mesh(point, normal, markers.radius_m)
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
-            surface_of_shape[key] = disc
+            place = disc_place(point, normal, markers.radius_m)
+            surface_of_shape[key] = surface_of_disc(optics, place)
     if chaser is not None:
         for number, ((_, material, smooth), mesh) in enumerate(_merged(chaser.parts).items()):
             key = f"chaser_{number:03d}"
             shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
             label_of_shape[key] = labels.index(CHASER_LABEL) + 1
-            surface_of_shape[key] = surface_of_material[material]
+            # It moves in the target's frame, in which detail stands still.
+            surface_of_shape[key] = replace(surface_of_material[material], detail=PLAIN)
             chaser_in_cam[key] = np.asarray(mesh.vertices, dtype=np.float64)
     return SceneGeometry(
         shapes, labels, label_of_shape, surface_of_shape, chaser_in_cam, markers, optics

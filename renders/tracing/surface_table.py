@@ -17,9 +17,15 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from renders.tracing import foil_creases
+from renders.tracing.corner_cube import CubeView, aperture_share
+from renders.tracing.fine_detail import WIDEST_M, shade
+from renders.tracing.foil_creases import crease_slopes, lobe_factor
 from renders.tracing.retroreflector import active_aperture
 from renders.tracing.surfaces import Surface
 
+UNSEEN = 1e9  # pixels over a disc's radius where there is none
+LEAST_FACING = 0.05  # cosine under which a pixel's footprint grows no more
 RETURN_SHARE = 0.5  # of the directions drawn at a retroreflector that go back to where light came
 
 
@@ -63,9 +69,22 @@ class SurfaceTable:
             self.return_share = _column(
                 RETURN_SHARE if o and max(o.returned.bands) > 0.0 else 0.0 for o in optics
             )
+        self.creases = _varied(s.detail.crease_slope for s in surfaces)
+        self.mottling = _varied(s.detail.mottling for s in surfaces)
+        self.tiles = _varied(s.detail.tile_spread for s in surfaces)
+        self.discs = None
+        if self.returned is not None and any(s.disc for s in surfaces):
+            self.discs = [_column(each) for each in zip(*map(_disc_row, surfaces), strict=True)]
         dr.make_opaque(list(vars(self).values()))
 
-    def seen(self, si: Any, ray: Any, bands: Sequence[int], active: Any) -> SurfaceSeen:
+    @property
+    def has_detail(self) -> bool:
+        """Whether any surface differs from place to place."""
+        return any(each is not None for each in (self.creases, self.mottling, self.tiles))
+
+    def seen(
+        self, si: Any, ray: Any, bands: Sequence[int], active: Any, pixel_rad: Any = None
+    ) -> SurfaceSeen:
         """Return what surfaces are where rays met them.
 
         Parameters
@@ -77,11 +96,16 @@ class SurfaceTable:
             Those of the three bands that are asked for.
         active : Bool
             Lanes that met something.
+        pixel_rad : Float, optional
+            Angle of what one pixel sees along the ray; infinite where no detail is wanted.
         """
         number = dr.gather(
             mi.UInt32, self.numbers, dr.reinterpret_array(mi.UInt32, si.shape), active
         )
-        return SurfaceSeen(self, number, si.n, si.sh_frame.n, -ray.d, bands, active)
+        seen = SurfaceSeen(self, number, si.n, si.sh_frame.n, -ray.d, bands, active)
+        if pixel_rad is not None:
+            seen.look_closely(si.p, si.n, si.t, pixel_rad)
+        return seen
 
 
 class SurfaceSeen:
@@ -116,6 +140,10 @@ class SurfaceSeen:
         def of(column: Any) -> Any:
             return dr.gather(mi.Float, column, number, active)
 
+        self._table, self._of, self._active = table, of, active
+        self.creases: Any = None
+        self.cube: CubeView | None = None
+        self.shade: Any = None
         side = dr.dot(normal, towards_viewer)
         flat = mi.Vector3f(dr.mulsign(normal, side))
         smooth = mi.Vector3f(dr.mulsign(shading_normal, dr.dot(shading_normal, flat)))
@@ -145,6 +173,62 @@ class SurfaceSeen:
             self.cone_cosine, self.cone_sine = of(table.cone_cosine), of(table.cone_sine)
             self.glass_index = of(table.glass_index)
             self.return_share = of(table.return_share)
+
+    def look_closely(self, place: Any, normal: Any, distance: Any, pixel_rad: Any) -> None:
+        """See the detail that pixels resolve.
+
+        Parameters
+        ----------
+        place : Point3f, m
+            Target frame.
+        normal : Vector3f
+            Of the triangle.
+        distance : Float, m
+            From the viewer.
+        pixel_rad : Float
+            Angle of what one pixel sees.
+        """
+        table, of = self._table, self._of
+        facing = dr.abs(dr.dot(self.normal, self.towards_viewer))
+        footprint = distance * pixel_rad * dr.rsqrt(dr.maximum(facing, LEAST_FACING))
+        if table.has_detail:
+            self._look_for_detail(place, normal, footprint)
+        if table.discs is not None:
+            x, y, z, *axes, radius = (of(column) for column in table.discs)
+            there = radius > 0.0
+            scale = dr.select(there, 1.0 / dr.maximum(radius, 1e-6), 0.0)
+            off = (place - mi.Point3f(x, y, z)) * scale
+            along, across = mi.Vector3f(*axes[:3]), mi.Vector3f(*axes[3:])
+            pixel = dr.select(there, footprint * scale, UNSEEN)
+            near = radius / distance
+            self.cube = CubeView(dr.dot(off, along), dr.dot(off, across), pixel, near)
+            self._cube_axes = along, across
+
+    def _look_for_detail(self, place: Any, normal: Any, footprint: Any) -> None:
+        table, of = self._table, self._of
+        zero = dr.zeros(mi.Float, dr.width(footprint))
+        creases, mottling, tiles = (
+            zero if column is None else of(column)
+            for column in (table.creases, table.mottling, table.tiles)
+        )
+
+        def shade_at(*args: Any) -> Any:
+            return shade(dr, *args)
+
+        def slopes_at(place: Any, width: Any) -> tuple[Any, ...]:
+            slopes, variance = crease_slopes(dr, place, width)
+            return mi.Vector3f(*slopes), variance
+
+        args = mi.Vector3f(place), mi.Vector3f(normal), footprint, mottling, tiles
+        near = self._active & (footprint < WIDEST_M)
+        self.shade = dr.if_stmt(args, near, shade_at, lambda *_: mi.Float(1.0))
+        if table.creases is not None:
+            near = self._active & (footprint < foil_creases.WIDEST_M) & (creases > 0.0)
+            slopes, variance = dr.if_stmt(
+                (args[0], footprint), near, slopes_at, lambda *_: (mi.Vector3f(0.0), mi.Float(0.0))
+            )
+            slopes -= self.shading_normal * dr.dot(self.shading_normal, slopes)
+            self.creases = (slopes * creases, variance * creases * creases)
 
     def _slant(self, cosine: Any) -> Any:
         """Return ``c (1 + 2 Lambda)`` of Smith's shadowing, whose G1 is ``2 c / (c + that)``."""
@@ -183,10 +267,24 @@ class SurfaceSeen:
             incidence_cosine = 0.5 * dr.sqrt(half_squared)
             share = mi.fresnel(incidence_cosine, dr.maximum(index, 1.0))[0]
             mirrored *= dr.select(index > 0.0, share, 1.0)
+        if self.creases is not None:
+            slopes, variance = self.creases
+            both = self.cosine + cosine
+            lean = dr.dot(self.towards_viewer + towards, slopes) / both
+            steep = dr.maximum(half_squared / (both * both) - 1.0, 0.0)
+            creased = dr.squared_norm(slopes)
+            mirrored *= lobe_factor(dr, lean, steep, creased, self.width, variance)
         total = self.matt[band] * cosine + mirrored
+        if self.shade is not None:
+            total *= self.shade
         if self.returned and band in self.returned:  # a cube sends no sunlight back to the camera
             half_cosine = (self.cosine + cosine) * dr.rsqrt(half_squared)
-            lobe = self.returned[band] * active_aperture(half_cosine, self.glass_index) * cosine
+            aperture = active_aperture(half_cosine, self.glass_index)
+            if self.cube is not None:
+                half = (self.towards_viewer + towards) * dr.rsqrt(half_squared)
+                x, y = (dr.dot(half, axis) for axis in self._cube_axes)
+                aperture = aperture_share(dr, self.cube, x, y, self.glass_index, aperture)
+            lobe = self.returned[band] * aperture * cosine
             within = dr.dot(self.towards_viewer, towards) >= self.cone_cosine
             within &= self.returned[band] > 0.0
             total += dr.select(within, lobe / (dr.pi * self.cone_sine * self.cone_sine), 0.0)
@@ -269,6 +367,18 @@ class SurfaceSeen:
             band: dr.select(good, self.value(band, direction) / density, 0.0) for band in self.bands
         }
         return direction, density, weights
+
+
+def _varied(values: Iterable[float]) -> Any:
+    every = list(values)
+    return _column(every) if any(every) else None
+
+
+def _disc_row(surface: Surface) -> tuple[float, ...]:
+    disc = surface.disc
+    if disc is None:
+        return (0.0,) * 10
+    return (*disc.centre, *disc.along, *disc.across, disc.radius_m)
 
 
 def _column(values: Iterable[float]) -> Any:

@@ -12,13 +12,32 @@ variants get them as Mitsuba's own BSDFs, which tests hold against the table.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from models.materials import Material
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from models.surface_detail import PLAIN, SurfaceDetail
 
 Bands: TypeAlias = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class DiscPlace:
+    """Where a retroreflector's disc lies, in the target frame.
+
+    Attributes
+    ----------
+    centre : (float, float, float), m
+    along, across : (float, float, float)
+        Unit vectors in its plane; one of the cube's edges lies over ``along``.
+    radius_m : float, m
+    """
+
+    centre: Bands
+    along: Bands
+    across: Bands
+    radius_m: float
 
 
 @dataclass(frozen=True)
@@ -39,6 +58,10 @@ class Surface:
         What comes back along the way it came, if anything does.
     two_sided : bool
         Whether the back is as the front; black if not.
+    detail : SurfaceDetail
+        What a pixel that resolves it sees beside the mean.
+    disc : DiscPlace or None
+        Where a retroreflector is, for its cube to be seen; an effective disc, unless given.
     """
 
     matt: Bands
@@ -47,6 +70,8 @@ class Surface:
     indices: Bands | None = None
     retroreflector: RetroreflectorOptics | None = None
     two_sided: bool = True
+    detail: SurfaceDetail = PLAIN
+    disc: DiscPlace | None = None
 
     @property
     def mirror_share(self) -> float:
@@ -62,19 +87,19 @@ class Surface:
 def surface_of(material: Material) -> Surface:
     """Return the lobes of a material."""
     if not material.is_dielectric:
-        return Surface(material.diffuse.bands, material.specular.bands, material.roughness)
+        bands = material.diffuse.bands, material.specular.bands
+        return Surface(*bands, material.roughness, detail=material.detail)
     rest = 1.0 - material.matt_share
     first, second, third = material.refractive_indices
     indices = (first, second, third)
-    return Surface(material.diffuse.bands, (rest, rest, rest), material.roughness, indices)
+    bands = material.diffuse.bands, (rest, rest, rest)
+    return Surface(*bands, material.roughness, indices, detail=material.detail)
 
 
-def surface_of_disc(optics: RetroreflectorOptics) -> Surface:
+def surface_of_disc(optics: RetroreflectorOptics, place: DiscPlace | None = None) -> Surface:
     """Return the lobes of a retroreflector's face, with what it sends back."""
     face = surface_of(optics.face)
-    return Surface(
-        face.matt, face.mirror, face.roughness, face.indices, retroreflector=optics, two_sided=False
-    )
+    return replace(face, retroreflector=optics, two_sided=False, disc=place)
 
 
 def _bands(values: Sequence[float], scale: float = 1.0) -> dict[str, Any]:

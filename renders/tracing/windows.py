@@ -38,6 +38,7 @@ def render_windows(
     samples: int,
     segments: int,
     seed: int,
+    aovs: str = "",
 ) -> list[Floats]:
     """Render windows of the camera's image.
 
@@ -52,13 +53,15 @@ def render_windows(
     segments : int
         Mitsuba's ``max_depth``: 1 shows emitters alone, 2 direct light.
     seed : int
+    aovs : str
+        What else a sample tells, as Mitsuba's ``aov`` integrator has it.
 
     Returns
     -------
-    list of (height, width, 3) arrays, W m-2 sr-1, one for each window.
+    list of (height, width, 3 and more) arrays, W m-2 sr-1, one for each window.
     """
     path = {"type": "path", "max_depth": segments, "rr_depth": 10_000}
-    integrator = mi.load_dict(path)
+    integrator = mi.load_dict({"type": "aov", "aovs": aovs, "light": path} if aovs else path)
     images = []
     for left, top, width, height in windows:
         film = {

@@ -10,7 +10,7 @@ import numpy as np
 from models.materials import BandReflectance
 from models.motion.approach import Approach
 from models.motion.kepler_orbit import KeplerOrbit
-from models.motion.table_motion import TableMotion
+from models.motion.table_motion import Stills, TableMotion
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.onboard import FlightExpectations
 from models.sky.earth_pointing import rotation_from_wxyz
@@ -22,6 +22,7 @@ from renders.scenario.marker_tables import markers_from
 from renders.scenario.motion_choice import table_motion_of
 from renders.scenario.own_target import target_of, wireframe_if_any, wireframe_of
 from renders.scenario.scenario import Scenario
+from renders.scenario.surface_tables import with_surfaces
 from renders.scenario.tumble_tables import TumbleTable
 from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
 from renders.world.bodies import Bodies
@@ -184,6 +185,8 @@ def _moving(scenario: Scenario) -> Moving:
 
 def _target(scenario: Scenario) -> Spacecraft:
     target = target_of(scenario)
+    if scenario.surface is not None:
+        target = with_surfaces(target, scenario.surface, scenario.name)
     if scenario.markers is None:
         return target
     return with_own_markers(target, markers_from(scenario.markers, scenario.name))
@@ -203,7 +206,8 @@ def _bodies(scenario: Scenario, chaser: str | None = None) -> Bodies:
 
 def _sky(scenario: Scenario, turning: Turning, table: TableMotion | None = None) -> Sky:
     shared = tuple(sun_group(name) for name in scenario.sun.shared)
-    return Sky(*with_its_sun(scenario, turning, table), shared, scenario.earth)
+    rows = table if isinstance(table, Stills) else None
+    return Sky(*with_its_sun(scenario, turning, table), shared, scenario.earth, rows)
 
 
 def _plan(

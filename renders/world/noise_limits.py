@@ -1,7 +1,8 @@
 """How much Monte-Carlo noise the light of an exposure may have: a share of what the detector adds.
 
 It is told for the exposure time that is planned before any image; where a meter chooses, for the
-first one. A frame exposed for longer shows more of it.
+first one. A frame exposed for longer shows more of it. Light that frames at one pose share is
+traced for the longest of them.
 """
 
 from __future__ import annotations
@@ -40,9 +41,14 @@ def noise_limits(
     if scenario.render.noise is None:
         return None
     optics, detector = scenario.simulated_optics, scenario.simulated_detector
-    exposure_s = 1e-3 * world.plan.before_any_image(exposure.time_s, prior)
+    company = world.company(exposure)
     limits = {}
     for group in groups:
+        exposure_s = 1e-3 * max(
+            world.plan.before_any_image(each.time_s, prior)
+            for each in company
+            if each == exposure or group in world.groups(each)
+        )
         wavelength = group.ring.wavelength_nm if isinstance(group, LampGroup) else SUNLIGHT_NM
         electrons = exposure_s * electrons_per_radiance(optics, detector, wavelength)
         share = scenario.render.noise * (LAMPS_SHARE if isinstance(group, LampGroup) else 1.0)

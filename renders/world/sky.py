@@ -15,6 +15,7 @@ from models.arrays import Floats
 from models.lights.earth import Earth
 from models.lights.sun import SUN_CASES_DEG, sun_direction, unit_direction
 from models.motion.attitude_wobble import AttitudeWobble
+from models.motion.table_motion import Stills
 from models.sky.earth_pointing import earth_pointing, rotation_from_wxyz, turned
 from renders.scenario.light_tables import EarthTable
 from renders.scenario.sky_tables import StarsTable
@@ -123,12 +124,34 @@ class Sky:
         Rendered in one pass with any other.
     earth : EarthTable
         Whether it shines, and how much of the Sun it returns.
+    rows : Stills or None
+        A table of poses whose rows may say what stands behind the target.
     """
 
     turning: Turning
     sun: SunGroup
     shared: tuple[SunGroup, ...]
     earth: EarthTable
+    rows: Stills | None = None
+
+    def earth_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
+        towards, distance_km = self.turning.earth_at(time_s)
+        own = self._own_earth(time_s)
+        return towards if own is None else own, distance_km
+
+    def shows_earth(self, time_s: float) -> bool:
+        """Tell whether there is an Earth at an instant."""
+        own = self._own_earth(time_s)
+        return self.earth.shines and (own is None or bool(own.any()))
+
+    def shows_stars(self, time_s: float) -> bool:
+        """Tell whether stars, where they shine at all, are seen at an instant."""
+        return self.rows is None or self.rows.shows_stars(time_s)
+
+    def _own_earth(self, time_s: float) -> Floats | None:
+        """Return that of the table's row, zeros for none; None where no table says."""
+        return None if self.rows is None else self.rows.earth_dir_in_target(time_s)
 
     @property
     def suns(self) -> list[SunGroup]:
@@ -144,9 +167,9 @@ class Sky:
 
     def earth_under(self, sun: SunGroup, time_s: float) -> list[EarthGroup]:
         """Return the Earth as a Sun lights it, if there is one."""
-        if not self.earth.shines:
+        if not self.shows_earth(time_s):
             return []
-        direction, radius_km = self.turning.earth_at(time_s)
+        direction, radius_km = self.earth_at(time_s)
         x, y, z = direction.tolist()
         earth = Earth(
             (x, y, z), sun.direction_in_target, radius_km, self.earth.albedo, sun.irradiance_w_m2

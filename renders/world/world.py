@@ -15,6 +15,7 @@ import numpy as np
 from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.dataset.frame_table import FrameEntry
+from models.motion.table_motion import Stills
 from models.onboard import OnboardKnowledge, PosePrior
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
@@ -130,7 +131,7 @@ class World:
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
         """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
-        return self.sky.turning.earth_at(time_s)
+        return self.sky.earth_at(time_s)
 
     def lit_by(self, exposure: Exposure) -> list[LightGroup]:
         """Return the groups that light one exposure under the scenario's Sun."""
@@ -157,9 +158,38 @@ class World:
             if isinstance(group, EarthGroup)
         )
 
+    def place(self, frame: int) -> int:
+        """Return the first of the frames that stand, one after the other, at a frame's pose."""
+        return self._places[frame] if frame < len(self._places) else frame
+
+    def company(self, exposure: Exposure) -> list[Exposure]:
+        """Return the exposures of an exposure's band that are at its place, itself among them."""
+        if not self._places:
+            return [exposure]
+        return self._companies[self.place(exposure.frame), exposure.band]
+
+    @cached_property
+    def _companies(self) -> dict[tuple[int, int], list[Exposure]]:
+        found: dict[tuple[int, int], list[Exposure]] = {}
+        for exposure in self.exposures:
+            found.setdefault((self.place(exposure.frame), exposure.band), []).append(exposure)
+        return found
+
+    @cached_property
+    def _places(self) -> list[int]:
+        motion = self.trajectory
+        if not isinstance(motion, Stills):
+            return []
+        first: dict[int, int] = {}
+        rows = [motion.first_row(time_s) for time_s in self.scenario.times_s]
+        return [first.setdefault(row, frame) for frame, row in enumerate(rows)]
+
     def render_seed(self, frame: int) -> int:
-        """Return the seed of all exposures of a frame: their noise cancels in the difference."""
-        sequence = np.random.SeedSequence([self.scenario.render.seed, frame])
+        """Return the seed of all exposures of a frame: their noise cancels in the difference.
+
+        Frames that follow each other at one pose share it, and so the light that they share.
+        """
+        sequence = np.random.SeedSequence([self.scenario.render.seed, self.place(frame)])
         return int(sequence.generate_state(1)[0])
 
     def check_poses(self) -> None:

@@ -121,7 +121,7 @@ def test_an_unknown_name_is_told_with_the_nearest(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
     with pytest.raises(
         ScenarioError,
-        match="among chaser_fixed, uncooperative, absolute, silent, got 'silnet'; perhaps you meant silent",
+        match="uncooperative, absolute, silent, got 'silnet'; perhaps you meant silent",
     ):
         registered_pipeline("silnet")
 

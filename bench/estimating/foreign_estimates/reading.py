@@ -43,7 +43,7 @@ class ForeignEstimates:
         One of ``FORMATS``.
     run : Run
         An estimate for each frame; where the file has none, a reason.
-    missing : int
+    unsaid : frozenset of int
         Frames that it says nothing of.
     remarks : tuple of str
         What was left out.
@@ -54,7 +54,7 @@ class ForeignEstimates:
     path: Path
     format: FileFormat
     run: Run
-    missing: int
+    unsaid: frozenset[int]
     remarks: tuple[str, ...]
     sha256: str
 
@@ -87,20 +87,22 @@ def read_foreign_estimates(
     choices = choices or Choices()
     if found == "rvbench":
         estimates = read_own_estimates(path, dataset)
-        return ForeignEstimates(path, found, Run(0, label, estimates, {}), 0, (), sha256_of(path))
+        return ForeignEstimates(
+            path, found, Run(0, label, estimates, {}), frozenset(), (), sha256_of(path)
+        )
     said = SaidPoses(path, dataset)
     lines = read_lines(path, most_line_bytes=MOST_LINE_CHARACTERS)
     if found == "bop":
         bop_results.read_bop_results(lines, said, choices)
     elif found == "speed":
-        speed_submission.read_speed_submission(lines, said)
+        speed_submission.read_speed_submission(lines, said, choices)
     else:
         tum_trajectory.read_tum_trajectory(lines, said, choices)
     if not said.poses:
         raise DatasetError(f"{path}: expected {NAMES[found]} with a pose at least, got none")
     run = Run(0, label, _every_frame(said), said.runtime_ms)
-    missing = len(dataset.entries) - len(said.poses)
-    return ForeignEstimates(path, found, run, missing, tuple(said.remarks), sha256_of(path))
+    unsaid = frozenset(dataset.indices).difference(said.poses)
+    return ForeignEstimates(path, found, run, unsaid, tuple(said.remarks), sha256_of(path))
 
 
 def recognised_format(path: Path) -> FileFormat:

@@ -102,7 +102,8 @@ def image_of(
     seen &= dr.abs(si.t - distance) < SAME_PLACE_M * (
         1.0 + distance + dr.max(dr.abs(landings.place))
     )
-    surface = surfaces.seen(si, ray, [band], seen)
+    pixel_rad = dr.opaque(mi.Float, 1.0 / max(camera.fx, camera.fy))
+    surface = surfaces.seen(si, ray, [band], seen, pixel_rad)
     towards = unpacked(landings.direction)
     seen &= surface.faces(towards)
     back = dr.dot(surface.normal, -ray.d)

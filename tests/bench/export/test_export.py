@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import struct
+import zlib
 from pathlib import Path
 
 import cv2
@@ -17,7 +19,12 @@ from bench.export.check import check_export
 from bench.export.exporter import export_datasets
 from bench.export.folder import all_files, listed
 from bench.export.formats.catalogue import FORMATS
+from bench.export.labels import label_of
+from bench.export.picture import picture_of
+from bench.export.plan import make_plan
+from bench.export.record import record_from_json
 from bench.export.request import ExportRequest
+from bench.export.source import open_source
 from models.errors import DatasetError, RvbenchError, ScenarioError
 from models.sensors.camera_chip import Detector
 
@@ -211,6 +218,16 @@ def spoil_line(theirs: Path, key: str, value: object) -> None:
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
 
 
+def png_of(width: int, height: int) -> bytes:
+    """Return a PNG that claims a size and holds nothing of it."""
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    chunks = ((b"IHDR", head), (b"IDAT", zlib.compress(bytes(1000))), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        for name, data in chunks
+    )
+
+
 SPOILS = {
     "NaN pose": (
         lambda d: spoil_line(d, "t_cam_from_target_m", [float("nan"), 0.0, 1.0]),
@@ -239,6 +256,10 @@ SPOILS = {
         lambda d: cv2.imwrite(
             str(d / "truth" / "labels" / "000000.png"), np.zeros((9, 9), np.uint8)
         ),
+        "expected part labels of 96 x 96",
+    ),
+    "labels of a billion pixels": (
+        lambda d: (d / "truth" / "labels" / "000000.png").write_bytes(png_of(100_000, 100_000)),
         "expected part labels of 96 x 96",
     ),
     "depth cut short": (
@@ -286,3 +307,70 @@ def test_a_list_of_hashes_that_leads_out_is_refused(exported, tmp_path):
         file.write(f"{'0' * 64}  ../secret\n")
     with pytest.raises(RvbenchError, match="a path within the export"):
         check_export(out)
+
+
+@pytest.mark.parametrize("target", ["/dev/zero", None])
+def test_hashes_that_never_end_are_refused(target, exported, tmp_path, capsys):
+    out = tmp_path / "out"
+    shutil.copytree(exported("coco"), out)
+    if target is None:
+        (out / "files.sha256").write_text("0" * 10_000_000)
+    else:
+        (out / "files.sha256").unlink()
+        (out / "files.sha256").symlink_to(target)
+    assert main(["export", "--check", "--out", str(out)]) == 2
+    message = capsys.readouterr().err
+    assert "files.sha256" in message
+    assert message.count("rvbench: ") == 1
+
+
+@pytest.fixture
+def stopped(exported, tmp_path) -> Path:
+    """Return an export that lacks nothing but its end."""
+    out = tmp_path / "out"
+    shutil.copytree(exported("coco"), out)
+    mark = json.loads((out / "export.json").read_text())
+    (out / "export.json").write_text(json.dumps({**mark, "complete": False}))
+    return out
+
+
+def test_a_stopped_export_is_not_gone_on_with_through_a_link(stopped, tumble, tmp_path, capsys):
+    theirs = tmp_path / "theirs"
+    shutil.move(stopped / "images", theirs)
+    (stopped / "images").symlink_to(theirs)
+    before = contents(theirs)
+    split = ["--split", "0.4", "0.3", "0.3"]
+    assert main(["export", str(tumble), "--as", "coco", "--out", str(stopped), *split]) == 2
+    assert "expected an export without links" in capsys.readouterr().err
+    assert contents(theirs) == before
+
+
+@pytest.mark.parametrize("text", [
+    "[" * 100_000, '{"files": 3}', "null", '{"files": {"../../secret": [1, "0"]}}', "\x00",
+])  # fmt: skip
+def test_a_record_that_cannot_be_is_made_anew(text, stopped, exported, tumble):
+    path = stopped / ".rvbench-export" / "records" / "0000" / "000001_000000.json"
+    path.parent.mkdir(parents=True)
+    path.write_text(text)
+    export_datasets(ExportRequest((tumble,), "coco", stopped, split=(0.4, 0.3, 0.3)))
+    assert contents(stopped) == contents(exported("coco"))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("rotation", [1.0, 0.0]),
+        ("files", {"../secret": [1, "0"]}),
+        ("files", {"/etc/passwd": [1, "0"]}),
+        ("width", "96"),
+        ("translation_m", [0.0, 0.0, float("nan")]),
+        ("more", 1),
+    ],
+)
+def test_a_record_with_an_odd_value_is_none(key, value, tumble):
+    plan = make_plan([open_source(1, tumble)], (0.8, 0.1, 0.1), 0, 1)
+    picture = picture_of(plan.image_path(plan.shots[0]), None, None)
+    told = json.loads(label_of(plan, plan.shots[0], picture.image).record.to_json())
+    assert record_from_json(json.dumps(told), "here").width == 96
+    with pytest.raises(DatasetError, match=f"here: expected a label record, got: .*{key}"):
+        record_from_json(json.dumps({**told, key: value}), "here")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from models.errors import DatasetError
-from models.motion.pose_table import pose_columns, pose_table, read_pose_lines
+from models.motion.pose_table import EARTH, pose_columns, pose_table, read_pose_lines
 from models.pose import RigidTransform
 from tests.support.own_scenario import facing, pose_lines, row_of
 
@@ -72,6 +72,16 @@ def test_a_plain_table_knows_neither_sun_nor_exposure() -> None:
     assert (len(table), table.sun_dirs_in_target, table.exposures_ms) == (3, None, None)
 
 
+def test_rows_may_say_what_stands_behind() -> None:
+    lines = [",".join((*CAM, *EARTH, "stars")), FACING + ",0,0.6,-0.8,0", row_of(1.0, facing(4.0))]
+    lines[2] += ",0,0,0,1"
+    table = pose_table(lines, "poses.csv")
+    assert table.earth_dirs_in_target is not None
+    np.testing.assert_allclose(table.earth_dirs_in_target, [[0.0, 0.6, -0.8], [0.0, 0.0, 0.0]])
+    assert table.stars is not None
+    assert table.stars.tolist() == [False, True]
+
+
 @pytest.mark.parametrize(
     "header",
     [
@@ -106,6 +116,9 @@ def test_a_header_that_does_not_say_which_way_is_refused_with_one_that_does(head
         ([",".join((*CAM, "sun_x")), FACING + ",1"], "all of the columns sun_x, sun_y, sun_z"),
         ([",".join((*CAM, "sun_x", "sun_y", "sun_z")), FACING + ",1,1,0"], "towards the Sun"),
         ([",".join((*CAM, "exposure_ms")), FACING + ",0"], "exposure_ms of at least 1e-06"),
+        ([",".join((*CAM, "earth_y")), FACING + ",1"], "all of the columns earth_x, earth_y"),
+        ([",".join((*CAM, *EARTH)), FACING + ",0,2,0"], "towards the Earth, in target axes, or"),
+        ([",".join((*CAM, "stars")), FACING + ",0.5"], "expected stars as 0 or 1, got 0.5"),
     ],
 )
 def test_what_is_no_table_of_poses_is_refused_where_it_is_wrong(

@@ -254,8 +254,11 @@ def test_every_marker_stands_a_millimetre_proud_of_a_black_plate(craft: Spacecra
     centres, normals = RETROREFLECTORS.points_in_target, RETROREFLECTORS.normals_in_target
     depth_m = 0.01 * hits(craft, centres, centres - 0.01 * normals)
     assert np.allclose(depth_m, marker_support.FACE_PROUD_M, atol=1e-9)
-    (part,) = [part for part in craft.parts if part.name == "marker_supports"]
-    assert part.material == "black_paint"
+    parts = [part for part in craft.parts if part.name == "marker_supports"]
+    assert [part.material for part in parts] == ["black_paint", "anodised_aluminium"]
+    bezels = np.asarray(parts[1].mesh.vertices)
+    away = np.linalg.norm(bezels[:, None] - centres, axis=2).min(axis=1)
+    assert (away > RETROREFLECTORS.radius_m).all()  # none lies over a face
     assert (marker_support.plate_radii(RETROREFLECTORS) > RETROREFLECTORS.radius_m).all()
 
 

@@ -223,7 +223,7 @@ def test_an_interrupted_run_leaves_whole_exposures_and_goes_on(
     before = tiny.files()
     for exposure in EXPOSURES:
         image_path(tiny.folder, *exposure).unlink()
-    from renders.batches import render_case as batch
+    from renders.batches import case_rendering as batch
 
     really, calls = batch.compose, []
 

@@ -226,7 +226,7 @@ def test_the_same_exposure_gives_the_same_bits_and_any_other_does_not() -> None:
 
     first = frame(3, 7, 850)
     np.testing.assert_array_equal(first, frame(3, 7, 850))
-    for other in ((4, 7, 850), (3, 8, 850), (3, 7, 800), (7, 3, 850)):
+    for other in ((4, 7, 850), (3, 8, 850), (3, 7, 800), (7, 3, 850), (3, 7, 850, 1)):
         # Independent draws of a normal with sigma s agree in one of about 3.5 s values.
         assert (frame(*other) == first).mean() < 0.1
         correlation = np.corrcoef(frame(*other).ravel(), first.ravel())[0, 1]

@@ -1,0 +1,149 @@
+"""Processes that render a random dataset, each pose by one of them.
+
+A process stays with a part as long as there is work in it: a scene is built once. What a frame is
+depends on its scenario alone, so neither the number of processes nor their order changes a bit.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from bench.sweep.workers import begin_worker
+from models.errors import StorageError
+from renders.batches.case_rendering import CaseRendering
+from renders.scenario.scenario import RenderRequest
+
+Task: TypeAlias = tuple[RenderRequest, tuple[int, ...]]
+"""A part, and frames of it, those of a pose together."""
+
+AT_LEAST = 8  # frames of a task: what it costs to hand one over is not seen then
+
+_opened: dict[Path, CaseRendering] = {}
+"""In a worker, the part that it is at."""
+
+
+def tasks_of(request: RenderRequest, poses: Sequence[Sequence[int]]) -> list[Task]:
+    """Return tasks of whole poses.
+
+    Parameters
+    ----------
+    request : RenderRequest
+    poses : sequence of sequences of int
+        The frames that are missing, by pose.
+    """
+    tasks, frames = list[Task](), list[int]()
+    for own in poses:
+        frames += own
+        if len(frames) >= AT_LEAST:
+            tasks.append((request, tuple(frames)))
+            frames = []
+    if frames:
+        tasks.append((request, tuple(frames)))
+    return tasks
+
+
+def render_frames(request: RenderRequest, frames: Sequence[int]) -> int:
+    """Render frames of a part that has begun; return how many."""
+    if request.out not in _opened:
+        _opened.clear()
+        _opened[request.out] = case = CaseRendering(request)
+        case.start_renderer()
+    case = _opened[request.out]
+    chosen = set(frames)
+    wanted = [exposure for exposure in case.left if exposure.frame in chosen]
+    asked = frozenset(wanted)
+    for exposure in wanted:
+        case.render(exposure, asked)
+    return len(chosen)
+
+
+@dataclass(eq=False)
+class Crew:
+    """Some processes and the tasks that are left, by part.
+
+    Attributes
+    ----------
+    workers : int
+        With one, the work is done in this process.
+    left : dict of Path to deque of Task
+        By the folder of the part.
+    """
+
+    workers: int
+    left: dict[Path, deque[Task]] = field(default_factory=dict)
+    _at: dict[int, Path] = field(default_factory=dict, init=False)
+
+    def work(self, tasks: Mapping[Path, Sequence[Task]]) -> Iterator[int]:
+        """Do every task; yield how many frames each brought.
+
+        Raises
+        ------
+        StorageError
+            If a process was killed; what it has rendered is kept.
+        RvbenchError
+            What a task ended with.
+        """
+        self.left = {folder: deque(own) for folder, own in tasks.items() if own}
+        count = min(self.workers, sum(map(len, self.left.values())))
+        if count <= 1:
+            while (task := self._next(0)) is not None:
+                yield render_frames(*task)
+            _opened.clear()
+            return
+        # Not forked: this process may hold threads, which a fork would lose.
+        context = multiprocessing.get_context("spawn")
+        pools = [ProcessPoolExecutor(1, context, begin_worker) for _ in range(count)]
+        try:
+            yield from self._shared(pools)
+        except BrokenProcessPool as error:
+            raise StorageError(
+                "expected each rendering process to live, one was killed, perhaps for want of "
+                "memory; every frame that is there is kept: run the same command again, with fewer "
+                "--workers"
+            ) from error
+        finally:
+            for pool in pools:
+                pool.shutdown(wait=True, cancel_futures=True)
+
+    def _shared(self, pools: Sequence[ProcessPoolExecutor]) -> Iterator[int]:
+        busy: dict[Future[int], int] = {}
+        for worker in range(len(pools)):
+            self._hand(pools, worker, busy)
+        while busy:
+            done, _ = wait(busy, return_when=FIRST_COMPLETED)
+            for future in done:
+                worker = busy.pop(future)
+                frames = future.result()
+                self._hand(pools, worker, busy)
+                yield frames
+
+    def _hand(
+        self, pools: Sequence[ProcessPoolExecutor], worker: int, busy: dict[Future[int], int]
+    ) -> None:
+        task = self._next(worker)
+        if task is not None:
+            busy[pools[worker].submit(render_frames, *task)] = worker
+
+    def _next(self, worker: int) -> Task | None:
+        """Return a task of the part that a worker is at, else of one that nobody is at."""
+        here = self._at.get(worker)
+        if here not in self.left:
+            taken = {place for other, place in self._at.items() if other != worker}
+            self._at.pop(worker, None)
+            here = max(
+                self.left, key=lambda each: (each not in taken, len(self.left[each])), default=None
+            )
+        if here is None:
+            return None
+        self._at[worker] = here
+        task = self.left[here].popleft()
+        if not self.left[here]:
+            del self.left[here]
+        return task
