@@ -4,13 +4,14 @@ SHELL := /bin/sh
 VENV := .venv
 ORACLE := .venv-oracle
 JUDGES := .venv-judges
+KINEMATICS := .venv-kinematics
 PYTHON := $(VENV)/bin/python
 PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
 
-.PHONY: help demo test check lint setup oracle speed grain judges lock clean
+.PHONY: help demo test check lint setup oracle speed grain judges kinematics lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -21,8 +22,9 @@ help:
 	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
 	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
 	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
+	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
-	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES) and caches; what was rendered under out/ stays"
+	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS) and caches; what was rendered under out/ stays"
 
 demo: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
@@ -79,12 +81,16 @@ grain: $(RUNTIME)
 
 judges: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)
-	@scripts/make_judges.sh $(JUDGES)
+	@scripts/make_beside.sh $(JUDGES) requirements-judges.lock "readers of exported datasets, 150 MB"
 	$(JUDGES)/bin/python -m pytest tests/judges
+
+kinematics: $(DEV)
+	@scripts/make_beside.sh $(KINEMATICS) requirements-kinematics.lock "Pinocchio, 60 MB"
+	$(KINEMATICS)/bin/python -m pytest tests/kinematics
 
 lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) $(ORACLE) $(JUDGES) .venv-lock build *.egg-info .hypothesis .*_cache
+	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -25,6 +25,8 @@ class MarkerPattern:
         Unit outward normals.
     radius_m : float, m
         Radius of every disc.
+    paint : str
+        Material of the discs; empty for retroreflectors.
 
     Raises
     ------
@@ -37,6 +39,7 @@ class MarkerPattern:
     points_in_target: Floats
     normals_in_target: Floats
     radius_m: float
+    paint: str = ""
 
     def __post_init__(self) -> None:
         shape = (len(self.names), 3)

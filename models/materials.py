@@ -11,6 +11,8 @@ from models.surface_detail import DETAIL, MOST_CREASED, PLAIN, SurfaceDetail
 class BandReflectance:
     """Reflectance in the three bands that one rendering carries.
 
+    A camera of colours has red, green and blue in their places (``models.spacecraft.in_colour``).
+
     Attributes
     ----------
     sunlight : float
@@ -239,6 +241,16 @@ MATERIALS: dict[str, Material] = {
             0.40,
             "Aeroglaze Z306 polyurethane: solar absorptance 0.95 (Gilmore 2002, appendix A; "
             "Fortescue et al. 2011, Table 11.3: 0.95); split and slope are our estimate",
+        ),
+        _material(
+            "marker_black",
+            (0.030, 0.030, 0.031),
+            (0.012, 0.012, 0.012),
+            0.30,
+            "Black polyurethane (Aeroglaze Z306) behind white dots: solar absorptance 0.95 "
+            "(Gilmore 2002, appendix A), so 0.04 to 0.05 in all at normal incidence; ever glossier "
+            "towards grazing. Split and roughness are our estimate",
+            is_dielectric=True,
         ),
         _material(
             "carbon_fibre",

@@ -20,6 +20,7 @@ from pipelines.pipeline import RegisteredPipeline
 GROUP = "rvbench.pipelines"
 OURS = {
     "chaser_fixed": "pipelines.chaser_fixed.registered",
+    "eye_in_hand": "pipelines.eye_in_hand.registered",
     "uncooperative": "pipelines.uncooperative.registered",
     "absolute": "pipelines.absolute.registered",
 }

@@ -16,6 +16,7 @@ from pipelines.registry import register as register_pipeline
 GROUP = "rvbench.chains"
 OURS = {
     "retroreflector_pairs": "bench.chains.retroreflector_pairs",
+    "dot_images": "bench.chains.dot_images",
     "tumble_images": "bench.chains.tumble_images",
     "posed_images": "bench.chains.posed_images",
     "absolute_navigation": "bench.chains.absolute_navigation",

@@ -87,7 +87,8 @@ def electrons(place: Place, light: dict[LightGroup, Radiance]) -> Floats:
 def seen(place: Place) -> AnyArray:
     """Return the pixels that show a spacecraft, (height, width) bool."""
     studio = studio_of(place)
-    truth = studio.pixel_truth(place.world.trajectory.cam_from_target(place.exposure.time_s))
+    pose = place.world.trajectory.cam_from_target(place.exposure.time_s)
+    truth = studio.pixel_truth(place.exposure, pose)
     return np.asarray(truth.labels > 0)
 
 
@@ -110,7 +111,7 @@ def path_traced(place: Place, tiles: AnyArray, samples: int, seed: int) -> Float
     world = place.world
     cam_from_target = world.trajectory.cam_from_target(place.exposure.time_s)
     studio = studio_of(place)
-    studio.build(cam_from_target)
+    studio.build(place.exposure, cam_from_target)
     geometry: SceneGeometry = studio.geometry
     groups: Any = world.lit_by(place.exposure)
     pixels = pixels_of(tiles, world.camera.width)

@@ -18,7 +18,7 @@ from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
 from bench.scoring.judgement import NO_REASON
 from models.arrays import AnyArray, Floats
-from models.frame import IMAGE_850
+from models.frame import IMAGE, IMAGE_850
 from models.markers import MarkerPattern
 from models.onboard import needed
 from models.pose import pose_error
@@ -40,8 +40,8 @@ def overlay(
     record : FrameRecord
     width_px : int, px
         Width of the picture; the image is averaged down to it.
-    signal_dn : (height, width) array, optional, DN
-        What to draw the marks on; the 850 nm image less its bias unless given.
+    signal_dn : (height, width) or (height, width, 3) array, optional, DN
+        What to draw the marks on; the last image less its bias unless given.
 
     Returns
     -------
@@ -50,13 +50,16 @@ def overlay(
     """
     detector = record.detector
     if signal_dn is None:
-        signal_dn = record.image(IMAGE_850).astype(np.float64) - detector.bias_dn
+        stream = IMAGE_850 if IMAGE_850 in record.frame.readings else IMAGE
+        signal_dn = record.image(stream).astype(np.float64) - detector.bias_dn
     scale = width_px / signal_dn.shape[1]
     grey = stretch(signal_dn, detector)
     height_px = round(signal_dn.shape[0] * scale)
     method = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_NEAREST
     small = cv2.resize(grey, (width_px, height_px), interpolation=method)
-    picture = np.repeat(np.rint(255.0 * small).astype(np.uint8)[:, :, None], 3, axis=2)
+    picture = np.rint(255.0 * small).astype(np.uint8)
+    if picture.ndim == 2:
+        picture = np.repeat(picture[:, :, None], 3, axis=2)
     _draw_marks(picture, record, scale)
     return picture
 

@@ -39,6 +39,23 @@ INK, PAPER = "#e8e8e8", "#15181c"
 
 def draw(record: FrameRecord) -> NDArray[np.uint8]:
     """Draw a pair laid open, (height, width, 3), RGB."""
+    signals = _signals(record)
+    return draw_signals(record, signals, signals[DIFFERENCE])
+
+
+def draw_signals(
+    record: FrameRecord, signals: dict[str, Floats], in_windows: Floats
+) -> NDArray[np.uint8]:
+    """Draw a frame laid open, (height, width, 3), RGB.
+
+    Parameters
+    ----------
+    record : FrameRecord
+    signals : dict of str to (height, width) or (height, width, 3) arrays, DN
+        Pictures by their titles; all but the first with marks.
+    in_windows : (height, width) array, DN
+        What is shown of each marker.
+    """
     shown = _shown_markers(record)
     rows = max(1, -(-len(shown) // COLUMNS))
     images = IMAGES_INCHES * record.camera.height / record.camera.width
@@ -48,12 +65,12 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
         2, 1, height_ratios=[images, 3.9 * rows], left=0.03, right=0.985, top=0.9, bottom=0.02,
         hspace=0.1,
     )  # fmt: skip
-    signals = _signals(record)
-    _draw_images(figure, grid[0].subgridspec(1, 3, wspace=0.08), record, signals)
+    columns = grid[0].subgridspec(1, len(signals), wspace=0.08)
+    _draw_images(figure, columns, record, signals)
     windows = grid[1].subgridspec(rows, COLUMNS, wspace=0.12, hspace=0.22)
     for place, marker in enumerate(shown):
         axes = figure.add_subplot(windows[place // COLUMNS, place % COLUMNS])
-        _draw_window(axes, record, marker, signals[DIFFERENCE])
+        _draw_window(axes, record, marker, in_windows)
     _write_heading(figure, record)
     take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]

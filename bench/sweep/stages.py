@@ -230,7 +230,7 @@ class Sweeper:
                 )
         for other in self.works:  # there is one scene, and the chaser now stands elsewhere in it
             if other is not work:
-                other.light.studio.placed_cam_from_target = None
+                other.light.studio.placed = None
 
 
 def _broken(store: Path, keys: Sequence[str]) -> list[str]:

@@ -17,7 +17,7 @@ from models.reading.toml_file import read_toml
 MOST_MARKERS = 1000
 LEAST_MARKERS = 3  # six unknowns, two numbers a marker
 LARGEST_RADIUS_M = 10.0
-KINDS = ("retroreflector",)
+PAINT_OF_KIND = {"retroreflector": "", "white_dot": "white_paint"}
 
 
 def markers_to_toml(markers: MarkerPattern) -> str:
@@ -28,11 +28,12 @@ def markers_to_toml(markers: MarkerPattern) -> str:
         markers.normals_in_target.tolist(),
         strict=True,
     )
+    kind = {"kind": "white_dot"} if markers.paint else {}
     return tomli_w.dumps(
         {
             "radius_m": float(markers.radius_m),
             "marker": [
-                {"name": name, "point_in_target_m": point, "normal_in_target": normal}
+                {"name": name, "point_in_target_m": point, "normal_in_target": normal, **kind}
                 for name, point, normal in rows
             ],
         }
@@ -61,10 +62,15 @@ def markers_of(fields: Fields) -> MarkerPattern:
     """
     fields.only(("radius_m", "marker"))
     rows = fields.tables("marker", MOST_MARKERS)
+    kinds: set[str] = set()
     for row in rows:
         row.only(("name", "point_in_target_m", "normal_in_target"), ("kind",))
-        if "kind" in row and row.text("kind") not in KINDS:
-            raise row.refusal("kind", f"as {KINDS[0]}, the one kind there is yet", row.text("kind"))
+        kind = row.text("kind") if "kind" in row else "retroreflector"
+        if kind not in PAINT_OF_KIND:
+            raise row.refusal("kind", f"as one of {', '.join(PAINT_OF_KIND)}", kind)
+        kinds.add(kind)
+    if len(kinds) > 1:
+        raise fields.refusal("marker", "of one kind", " and ".join(sorted(kinds)))
     radius_m = fields.number("radius_m", 0.0, LARGEST_RADIUS_M, above=0.0)
     points = np.array([row.vector("point_in_target_m", 3, *LENGTH_M) for row in rows])
     normals = np.array([row.vector("normal_in_target", 3, -2.0, 2.0) for row in rows])
@@ -74,6 +80,7 @@ def markers_of(fields: Fields) -> MarkerPattern:
             points_in_target=points.reshape(-1, 3),
             normals_in_target=normals.reshape(-1, 3),
             radius_m=radius_m,
+            paint=PAINT_OF_KIND[kinds.pop()] if kinds else "",
         )
     except ValueError as error:
         raise DatasetError(f"{fields.where}: {error}") from error

@@ -72,6 +72,8 @@ class Detector:
     gain_e_dn : float, e/DN
     bias_dn : float, DN
     bits : int
+    mosaic : str
+        ``rggb`` behind Bayer's filters (``models.sensors.bayer_mosaic``), else ``none``.
     """
 
     pixel_pitch_um: float = 13.5
@@ -84,6 +86,7 @@ class Detector:
     gain_e_dn: float = 26.0
     bias_dn: float = 100.0
     bits: int = 12
+    mosaic: str = "none"
 
     @property
     def max_dn(self) -> int:

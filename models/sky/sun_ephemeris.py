@@ -53,6 +53,30 @@ def epoch_of(text: str) -> datetime:
     return epoch
 
 
+def right_ascension_over(longitude_deg: float, epoch: datetime) -> float:
+    """Return the right ascension that stands over a meridian of the Earth at an epoch, deg.
+
+    Greenwich mean sidereal time (Aoki et al. 1982, Astronomy and Astrophysics 105), taken back from
+    the equinox of date to that of 2000, as the Sun is: 0.01 deg.
+
+    Parameters
+    ----------
+    longitude_deg : float, deg
+        East.
+    epoch : datetime
+        With its time zone.
+
+    Returns
+    -------
+    float, deg
+        From 0 to 360, ICRS.
+    """
+    days = (epoch - J2000).total_seconds() / SECONDS_A_DAY
+    sidereal_deg = 280.46062 + 360.98564737 * days
+    precessed_deg = 1.2812 * days / DAYS_A_CENTURY  # along the equator
+    return float((sidereal_deg + longitude_deg - precessed_deg) % 360.0)
+
+
 def sun_dir_in_inertial(epoch: datetime, time_s: float = 0.0) -> Floats:
     """Return the unit vector from the Earth towards the Sun, (3,), some time after an epoch.
 

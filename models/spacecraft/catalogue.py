@@ -14,12 +14,14 @@ if TYPE_CHECKING:
 
 SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {
     "maxar1300": lazily("models.spacecraft.maxar1300:maxar1300"),
+    "maxar1300_grasp": lazily("models.spacecraft.grasp_markers:maxar1300_grasp"),
     "xmm": lazily("models.spacecraft.xmm:xmm"),
     "hispasat": lazily("models.spacecraft.hispasat:hispasat"),
     "chaser": lazily("models.spacecraft.chaser:chaser"),
 }
 TARGETS = {
     "maxar1300": "10 markers of radius 12.7 mm, 34 named parts",
+    "maxar1300_grasp": "3 markers of radius 10.0 mm, 35 named parts",
     "xmm": "no markers; a wireframe of 30 landmarks, 37 edges, 19 named parts",
     "hispasat": "no markers; a wireframe of 20 landmarks, 24 edges, 20 named parts",
 }

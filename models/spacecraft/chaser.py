@@ -34,6 +34,7 @@ BLANKET_PROUD_M = 0.022
 CENTRE_OF_MASS_M = (0.0, 0.0, -1.5)  # Opromolla et al. 2022, section 4.1
 WING_M = (1.0, 0.9)  # along x and along z
 WING_GAP_M = 0.35
+STOWED_ARM = "chaser_grapple_base"
 CAMERA_RADIUS_M = 0.065
 LENS_RADIUS_M = 0.016
 
@@ -49,7 +50,7 @@ def chaser() -> Spacecraft:
             Part("chaser_blanket", _blankets(), "mli_gold"),
             Part("chaser_camera", _camera(), "black_paint", smooth=True),
             Part("chaser_camera", _lens(), "corner_cube_face", smooth=True),
-            Part("chaser_grapple_base", _grapple_base(), "anodised_aluminium"),
+            Part(STOWED_ARM, _grapple_base(), "anodised_aluminium"),
             Part("chaser_thrusters", _thrusters(), "titanium_nozzle", smooth=True),
             Part("chaser_wings", joined(w[0] for w in wings), "solar_substrate"),
             Part("chaser_wings", joined(w[1] for w in wings), "solar_cell"),

@@ -27,17 +27,20 @@ class Part:
         What an engineer calls it: ``launch_adaptor_ring``, ``solar_wing_plus_y``. Parts that
         share a name share a label.
     mesh : trimesh.Trimesh
-        Triangles in the body frame, m; normals outward.
+        Triangles in its frame, m; normals outward.
     material : str
         A key of ``models.materials.MATERIALS``, or of the spacecraft's own.
     smooth : bool
         Whether vertex normals are interpolated over the faces (curved parts) or not (flat ones).
+    frame : int
+        Of those that move in each other: 0 the body's, k that of the link after an arm's joint k.
     """
 
     name: str
     mesh: trimesh.Trimesh
     material: str
     smooth: bool = False
+    frame: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from models.wireframe.wireframe import Wireframe
 
 WIREFRAMES: dict[str, Callable[[], Wireframe]] = {
+    "maxar1300_grasp": lazily("models.spacecraft.grasp_markers:grasp_board_outline"),
     "xmm": lazily("models.spacecraft.xmm_wireframe:xmm_wireframe"),
     "hispasat": lazily("models.spacecraft.hispasat_wireframe:hispasat_wireframe"),
 }

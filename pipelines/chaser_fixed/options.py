@@ -12,11 +12,11 @@ import numpy as np
 
 from models.errors import ScenarioError
 from pipelines.detection.detection_options import PerimeterRule, ThresholdRule
+from pipelines.pnp.motion_prediction import Prediction
 from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
 Centroiding: TypeAlias = Literal["weighted_blob", "disc_fit"]
 Identification: TypeAlias = Literal["nearest_neighbour", "one_to_one"]
-Prediction: TypeAlias = Literal["last_pose", "constant_velocity"]
 
 VARIANTS = ("paper", "best")
 

@@ -19,8 +19,6 @@ from models.errors import DatasetError
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
 from models.pose import RigidTransform
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
-from pipelines.chaser_fixed.motion_prediction import MotionPrediction
 from pipelines.chaser_fixed.options import VARIANTS, ChaserFixedOptions, options_for
 from pipelines.chaser_fixed.refinement import fit_markers
 from pipelines.detection.area_opening import expected_radius_px
@@ -37,6 +35,7 @@ from pipelines.detection.marker_search import (
     search,
     within_gate,
 )
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.pnp.hypotheses import FAR_CHI2, propose_match
 from pipelines.pnp.identification import (
     identification_gate_px,
@@ -44,6 +43,7 @@ from pipelines.pnp.identification import (
     one_to_one,
 )
 from pipelines.pnp.match import Match, Solution
+from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import solve_match
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from models.frame import IMAGE_800, IMAGE_850
 from models.onboard import OnboardKnowledge
-from pipelines.chaser_fixed.knowledge import NAME, FlightKnowledge
 from pipelines.chaser_fixed.options import VARIANTS, options_for
 from pipelines.chaser_fixed.pipeline import ChaserFixed
 from pipelines.pipeline import RegisteredPipeline
+from pipelines.pnp.flight_knowledge import FlightKnowledge
+
+NAME = "chaser_fixed"
 
 
 def make(onboard: OnboardKnowledge, variant: str) -> ChaserFixed:
@@ -18,7 +20,7 @@ def make(onboard: OnboardKnowledge, variant: str) -> ChaserFixed:
     DatasetError
         If the markers or the prior are not on board.
     """
-    return ChaserFixed(FlightKnowledge.of(onboard), options_for(variant))
+    return ChaserFixed(FlightKnowledge.of(onboard, NAME), options_for(variant))
 
 
 PIPELINE = RegisteredPipeline(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -131,6 +131,8 @@ class DatasetWriter:
         That on board, by which ``frames.csv`` goes.
     installed : MarkerPattern or None
         The markers as they are, where those on board are told otherwise.
+    sealed : mapping of str to str
+        Other texts behind the wall, by name.
     """
 
     folder: Path
@@ -142,6 +144,7 @@ class DatasetWriter:
     bands: tuple[int, ...]
     clock: ToldClock = EXACT_CLOCK
     installed: MarkerPattern | None = None
+    sealed: Mapping[str, str] = field(default_factory=dict)
 
     def begin(self) -> None:
         """Write everything but the exposures, and sweep away what killed runs left half written.
@@ -163,7 +166,7 @@ class DatasetWriter:
         }
         if self.installed is not None:
             texts["truth/markers.toml"] = markers_to_toml(self.installed)
-        for name, text in texts.items():
+        for name, text in {**texts, **self.sealed}.items():
             write_text(self.folder / name, text)
         self.write_frames()
 

@@ -279,7 +279,7 @@ class Simulation:
         groups = self._studio.light(exposure, cam_from_target)
         depth_m = None
         if world.scenario.needs_depth:
-            depth_m = self._studio.pixel_truth(cam_from_target).depth_m
+            depth_m = self._studio.pixel_truth(exposure, cam_from_target).depth_m
         return compose(world, groups, exposure, exposure_ms, self.run, depth_m)
 
 

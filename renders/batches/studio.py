@@ -14,6 +14,7 @@ from models.arrays import AnyArray, Mask, Radiance
 from models.errors import StorageError
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
+from models.spacecraft.stance import Stance
 from renders.batches.replay import read_groups
 from renders.store.kept_light import ALL_LIGHT, LightKeeping
 from renders.store.light_keys import LightKeys
@@ -46,28 +47,30 @@ class Studio:
     markers: MarkerPattern | None
     scene: Any = None
     geometry: Any = None
-    placed_cam_from_target: RigidTransform | None = None
+    placed: tuple[RigidTransform, Stance] | None = None
     kept: LightKeeping = ALL_LIGHT
     sunlit: Sunlit | None = None
     _landed: dict[SunGroup, Landings] = field(default_factory=dict, init=False)
     """Bounced light that was followed or read, by its Sun."""
     _waiting: dict[int, dict[str, AnyArray]] = field(default_factory=dict, init=False)
     """Light of the pose last traced in each band, in half floats, by its keys."""
-    _filled: tuple[RigidTransform, Mask | None] | None = field(default=None, init=False)
-    """A pose, and the pixels that spacecraft can fill from there."""
-    _met: tuple[RigidTransform, PixelTruth] | None = field(default=None, init=False)
-    """A pose, and what each pixel meets from there."""
+    _filled: tuple[RigidTransform, Stance, Mask | None] | None = field(default=None, init=False)
+    """A pose with the chaser's stance, and the pixels that spacecraft can fill from there."""
+    _met: tuple[RigidTransform, Stance, PixelTruth] | None = field(default=None, init=False)
+    """A pose with the chaser's stance, and what each pixel meets from there."""
 
-    def build(self, cam_from_target: RigidTransform) -> None:
+    def build(self, exposure: Exposure, cam_from_target: RigidTransform) -> None:
         """Load the scene once, and put the chaser in its place unless it stands there."""
         from renders.tracing.scene import build_geometry, place_chaser
 
         if self.scene is None:
             self.geometry = build_geometry(self.world.target, self.world.chaser, self.world.optics)
             self.scene = self.geometry.scene()
-        if self.placed_cam_from_target is not cam_from_target:
+        stance = self.world.stance(exposure.time_s)
+        if self.placed is None or (cam_from_target, stance) != self.placed:
+            self.geometry.take(stance)
             place_chaser(self.scene, self.geometry, cam_from_target)
-            self.placed_cam_from_target = cam_from_target
+            self.placed = cam_from_target, stance
 
     def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
         """Return the store keys of everything that can light an exposure, by group name."""
@@ -171,10 +174,10 @@ class Studio:
         """
         from renders.tracing.radiance import Sampling, render_radiance
 
-        self.build(cam_from_target)
+        self.build(exposure, cam_from_target)
         render = self.world.scenario.render
         anywhere = self.world.shows_earth(exposure, cam_from_target)
-        in_view = None if anywhere else self._silhouette(cam_from_target)
+        in_view = None if anywhere else self._silhouette(exposure, cam_from_target)
         return render_radiance(
             self.scene,
             self.geometry,
@@ -234,32 +237,33 @@ class Studio:
 
     def sealed(self, exposure: Exposure, cam_from_target: RigidTransform) -> SealedRecord:
         """Return the sealed record of an exposure."""
-        self.build(cam_from_target)
+        self.build(exposure, cam_from_target)
         return self.world.truth(self.scene, self.world, exposure, cam_from_target)
 
-    def pixel_truth(self, cam_from_target: RigidTransform) -> PixelTruth:
+    def pixel_truth(self, exposure: Exposure, cam_from_target: RigidTransform) -> PixelTruth:
         """Trace labels, depth and normals."""
         from renders.truth.pixel_truth import pixel_truth
 
-        self.build(cam_from_target)
-        if self._met is None or self._met[0] is not cam_from_target:
-            self._met = (
+        self.build(exposure, cam_from_target)
+        stance = self.world.stance(exposure.time_s)
+        if self._met is None or self._met[:2] != (cam_from_target, stance):
+            met = pixel_truth(
+                self.scene,
+                self.geometry,
+                self.world.camera,
                 cam_from_target,
-                pixel_truth(
-                    self.scene,
-                    self.geometry,
-                    self.world.camera,
-                    cam_from_target,
-                    self._silhouette(cam_from_target),
-                ),
+                self._silhouette(exposure, cam_from_target),
             )
-        return self._met[1]
+            self._met = (cam_from_target, stance, met)
+        return self._met[2]
 
-    def _silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
+    def _silhouette(self, exposure: Exposure, cam_from_target: RigidTransform) -> Mask | None:
         """Return the pixels that spacecraft can fill; light and truth of a pose share them."""
-        if self._filled is None or self._filled[0] is not cam_from_target:
-            self._filled = (cam_from_target, self.world.silhouette(cam_from_target))
-        return self._filled[1]
+        stance = self.world.stance(exposure.time_s)
+        if self._filled is None or self._filled[:2] != (cam_from_target, stance):
+            mask = self.world.silhouette(cam_from_target, stance)
+            self._filled = (cam_from_target, stance, mask)
+        return self._filled[2]
 
 
 def start_renderer(variant: str, threads: int | None) -> None:

@@ -243,7 +243,8 @@ class PoseLight:
         (height, width) float32 array, m
             0 in space.
         """
-        return self.studio.pixel_truth(self.poses[band]).depth_m
+        (exposure,) = (each for each in self.studio.world.exposures if each.band == band)
+        return self.studio.pixel_truth(exposure, self.poses[band]).depth_m
 
     @cached_property
     def worlds(self) -> list[World]:
@@ -256,7 +257,7 @@ class PoseLight:
         """Return the sealed record of the last exposure under each Sun, by ``NamedSun.text``."""
         exposure = self.studio.world.exposures[-1]
         pose = self.poses[exposure.band]
-        self.studio.build(pose)
+        self.studio.build(exposure, pose)
         return {
             sun.text: world.truth(self.studio.scene, world, exposure, pose)
             for sun, world in zip(self.suns, self.worlds, strict=True)

@@ -11,7 +11,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from models.arrays import Image, Radiance
+from models.sensors.bayer_mosaic import mosaicked
 from models.spacecraft.line_of_sight import is_hidden
+from renders.detector.colour import colour_rates, electrons_of_band
 from renders.detector.expose import (
     SUNLIGHT_NM,
     electron_rate,
@@ -55,10 +57,20 @@ def compose(
     (height, width) uint16 array, DN.
     """
     optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
-    rate = electron_rate(groups, optics, detector)
-    for glare in _glares(world, groups, exposure):
-        rate += glare * np.float32(electrons_per_radiance(optics, detector, SUNLIGHT_NM))
-    mean_e = mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m)
+    in_colour = world.sensor.in_colour
+    if in_colour:
+        rates = colour_rates(groups, optics, detector)
+    else:
+        rates = [electron_rate(groups, optics, detector)]
+    for sun, glare in _glares(world, groups, exposure):
+        electrons = electrons_per_radiance(optics, detector, SUNLIGHT_NM)
+        if in_colour:
+            electrons = electrons_of_band(sun.channel, optics, detector)
+        rates[sun.channel] += glare * np.float32(electrons)
+    charges = [
+        mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m) for rate in rates
+    ]
+    mean_e = mosaicked(charges) if in_colour else charges[0]
     if world.scenario.stars.shine and world.sky.shows_stars(exposure.time_s):
         mean_e += star_electrons(world, exposure.time_s, exposure_ms, depth_m)
     own_seed = world.scenario.exposure.noise_seed
@@ -70,8 +82,8 @@ def compose(
 
 def _glares(
     world: World, groups: Mapping[LightGroup, Radiance], exposure: Exposure
-) -> Iterator[Radiance]:
-    """Yield what each Sun that the target does not hide is worth as glare, W m-2 sr-1."""
+) -> Iterator[tuple[SunGroup, Radiance]]:
+    """Yield the Suns that the target does not hide, and each one's glare, W m-2 sr-1."""
     scatter = world.scenario.simulated_scatter
     if scatter.peak_1_sr <= 0.0:
         return
@@ -89,4 +101,4 @@ def _glares(
             is_hidden(world.target, lens, towards),
         )
         if glare is not None:
-            yield glare
+            yield group, glare

@@ -11,10 +11,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
+from models.arm.arm_file import is_urdf, own_arm, read_arm_lines
 from models.camera import Camera
 from models.dataset.marker_file import read_markers
 from models.errors import DatasetError, ScenarioError
 from models.motion.pose_table import PoseTable, pose_table, read_pose_lines
+from models.pose import RigidTransform
 from models.reading.toml_file import read_toml
 from renders.scenario.camera_tables import CameraTable
 from renders.scenario.own_target import with_own_target_read
@@ -49,6 +51,7 @@ def with_files_read(table: dict[str, Any], path: Path) -> dict[str, Any]:
         _read(lambda: read_markers(file))
         table["markers"] = _read(lambda: read_toml(file))
     _read_poses(table, path)
+    _read_arm(table, path)
     motion, sun = table.get("motion"), table.setdefault("sun", {})
     if isinstance(motion, dict) and "epoch_utc" in motion and isinstance(sun, dict):
         sun.setdefault("default", "epoch")
@@ -84,6 +87,20 @@ def with_camera_read(camera: Any, path: Path) -> Any:
     own = asdict(Camera.from_toml(path.parent / camera["file"]))
     sides = ("width", "height")
     return rest | {name: x if name in sides else float(x) for name, x in own.items()}
+
+
+def _read_arm(table: dict[str, Any], path: Path) -> None:
+    arm = table.get("arm")
+    if not isinstance(arm, dict) or not isinstance(arm.get("file"), str):
+        return
+    file = path.parent / arm.pop("file")
+    if "lines" in arm:
+        raise ScenarioError(
+            f"{path}: expected arm.file or arm.lines, got both; leave one of them out"
+        )
+    arm["kind"] = "urdf" if is_urdf(file) else "toml"
+    arm["lines"] = _read(lambda: read_arm_lines(file))
+    _read(lambda: own_arm(arm["lines"], file, RigidTransform.identity()))
 
 
 def _read_poses(table: dict[str, Any], path: Path) -> None:

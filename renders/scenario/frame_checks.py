@@ -23,6 +23,8 @@ PAIRS_ALONE: dict[str, tuple[str, ...] | None] = {
     "exposure": ("marker_fill",),
 }
 """Tables, or keys of them, that shape image pairs alone: typed with single images they mislead."""
+NOT_IN_COLOUR: dict[str, tuple[str, ...] | None] = {"stars": ("shine",), "retroreflector": None}
+"""Those that are told for the near infrared alone."""
 
 
 def check_frames(scenario: Scenario, where: str) -> None:
@@ -38,13 +40,16 @@ def check_frames(scenario: Scenario, where: str) -> None:
         _check_exposure_column(scenario, where)
     if frame_kind_of(scenario) == "pairs" or motion_kind_of(scenario) == "tumble":
         return
+    in_colour = frame_kind_of(scenario) == "colour"
     if mode == "schedule" and not scenario.exposure.schedule_ms:
         raise ScenarioError(
             f"{where}: expected exposure.mode, of single images, as auto, fixed or table, or as "
             "schedule with exposure.schedule_ms = [[time_s, exposure_ms], ...]; got 'schedule' "
             "without, which reckons with markers"
         )
-    refuse_what_has_no_effect(scenario, PAIRS_ALONE, "single images", where)
+    unused = {**PAIRS_ALONE, **NOT_IN_COLOUR} if in_colour else PAIRS_ALONE
+    kept = {name: keys for name, keys in unused.items() if not (in_colour and name == "prior")}
+    refuse_what_has_no_effect(scenario, kept, "colour" if in_colour else "single images", where)
 
 
 def refuse_what_has_no_effect(

@@ -11,7 +11,7 @@ import numpy as np
 from models.errors import DatasetError, ScenarioError
 from models.motion.pose_table import ROUNDING_S, PoseTable, pose_table
 from renders.scenario.motion_tables import MotionKind
-from renders.scenario.own_target import target_has_markers
+from renders.scenario.own_target import target_has_dots, target_has_markers
 
 if TYPE_CHECKING:
     from models.motion.table_motion import TableMotion
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 MOST_FRAMES = 100_000  # over five hours at 5 Hz; a motion of more is a slip
 OF_A_TABLE = ("file", "poses", "table")
-UNUSED_BY_POSES = ("target_wobble",)
+UNUSED_BY_POSES = ("target_wobble", "ring_in_target_m")
 UNUSED_BY_STILLS = ("rate_hz",)
 
 
@@ -33,12 +33,14 @@ def motion_kind_of(scenario: Scenario) -> MotionKind:
 
 
 def frame_kind_of(scenario: Scenario) -> str:
-    """Return what a frame is, ``pairs`` or ``single``, typed or not."""
+    """Return what a frame is, ``pairs``, ``single`` or ``colour``, typed or not."""
     if scenario.frame is not None:
         return scenario.frame.kind
     kind = motion_kind_of(scenario)
     if kind != "poses":
         return "pairs" if kind == "approach" else "single"
+    if scenario.markers is None and target_has_dots(scenario):
+        return "colour"
     has_markers = scenario.markers is not None or target_has_markers(scenario)
     return "pairs" if has_markers else "single"
 

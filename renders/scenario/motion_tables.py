@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
-from renders.scenario.table import Name, Table
+from renders.scenario.table import Name, Table, Triple
 
 MotionKind: TypeAlias = Literal["approach", "tumble", "poses"]
 Line = Annotated[str, Field(max_length=2000)]
@@ -30,6 +30,9 @@ class MotionTable(Table):
         33.0, ge=0.01, le=1e5, description="800 nm exposure before the 850 nm one"
     )
     target_wobble: bool = Field(True, description="attitude motion of the stabilised target")
+    ring_in_target_m: Triple | None = Field(
+        None, description="the approached ring's centre in the target's frame; its origin"
+    )
     file: Name | None = Field(
         None, description="a CSV file of poses beside the scenario; its header names the frames"
     )
@@ -41,6 +44,14 @@ class MotionTable(Table):
     )
     epoch_utc: Name | None = Field(
         None, description="date and time of motion time 0, such as 2026-03-20T12:00:00Z"
+    )
+
+    longitude_deg: float | None = Field(
+        None,
+        ge=-360,
+        le=360,
+        description="east, of the geostationary target, with epoch_utc: how it stands among the "
+        "stars and under the Sun follows",
     )
 
     @model_validator(mode="before")
@@ -55,6 +66,7 @@ class MotionTable(Table):
 class FrameTable(Table):
     """What a frame is."""
 
-    kind: Literal["pairs", "single"] = Field(
-        description="800 and 850 nm, lit by the lamps, or one image; single where no markers are"
+    kind: Literal["pairs", "single", "colour"] = Field(
+        description="800 and 850 nm, lit by the lamps; or one image, as where no markers are; or "
+        "one behind Bayer's filters, of white dots, with a first pose"
     )

@@ -161,6 +161,14 @@ def target_has_markers(scenario: Scenario) -> bool:
     return scenario.own_target.has_markers()
 
 
+def target_has_dots(scenario: Scenario) -> bool:
+    """Tell whether the target's own markers are painted dots."""
+    if scenario.own_target is not None:
+        return False
+    markers = spacecraft_by_name(scenario.target).markers
+    return markers is not None and markers.paint != ""
+
+
 def wireframe_of(scenario: Scenario) -> Wireframe:
     """Return the wireframe of a scenario's target.
 

@@ -21,6 +21,7 @@ from models.reading.options import check_option
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
+from renders.scenario.arm_tables import ArmTable, check_arm
 from renders.scenario.asked_tables import AskedTable, LimitsTable
 from renders.scenario.camera_choice import camera_of, check_camera, pixel_scale
 from renders.scenario.camera_tables import (
@@ -151,6 +152,7 @@ class Scenario(Table):
     markers: MarkersTable | None = Field(
         None, description="your own, in a file or here, instead of the target's"
     )
+    arm: ArmTable | None = Field(None, description="the chaser's arm, where it moves")
     told: ToldTable | None = Field(None, description="what a pipeline is told otherwise")
     surface: Annotated[tuple[SurfaceTable, ...], Field(strict=False, max_length=100)] | None = (
         Field(None, description="materials of this specimen that differ from the house's")
@@ -164,7 +166,7 @@ class Scenario(Table):
 
     @property
     def frame_kind(self) -> str:
-        """What a frame is: ``pairs`` or ``single``."""
+        """What a frame is: ``pairs``, ``single`` or ``colour``."""
         return frame_kind_of(self)
 
     @property
@@ -195,7 +197,7 @@ class Scenario(Table):
         """The chip, with the pixels that are rendered."""
         table = self.detector.model_dump()
         table["pixel_pitch_um"] /= self.pixel_scale
-        return Detector(**table)
+        return Detector(**table, mosaic="rggb" if self.frame_kind == "colour" else "none")
 
     @property
     def simulated_scatter(self) -> LensScatter:
@@ -310,6 +312,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_picture(scenario, where)
     if scenario.markers is not None:
         markers_from(scenario.markers, where)
+    check_arm(scenario, where)
     check_told(scenario, where)
     return scenario
 

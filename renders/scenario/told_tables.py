@@ -7,7 +7,7 @@ of 1-sigma ``sigma``, anew in every run, whose sigma it is told (``sigmas.toml``
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
@@ -23,6 +23,12 @@ SigmaDeg = Annotated[float, Field(ge=0, le=180)]
 
 class PriorTable(Table):
     """1-sigma of the first pose, Opromolla 2022 Table 5."""
+
+    by: Literal["arm"] | None = Field(
+        None,
+        description="drawn about the true one; arm: drawn so for the camera fixed to the chaser, "
+        "and chained with the arm's joints as read to that of the camera in its hand",
+    )
 
     sigma_t_m: Annotated[tuple[SigmaM, SigmaM, SigmaM], Field(strict=False)] = Field(
         (0.017, 0.017, 0.05), description="translation, camera axes"
@@ -124,6 +130,20 @@ class ToldMountTable(Table):
     place_m: VectorDifference | None = Field(None, description="camera axes, m")
 
 
+class ToldArmTable(Table):
+    """The arm as read and measured; see ``models.arm.onboard_arm``."""
+
+    joints_deg: Difference | None = Field(
+        None, description="what each joint reads, deg: one offset, a draw of its own for each"
+    )
+    mount_turn_deg: VectorDifference | None = Field(
+        None, description="a small turn of the hand camera about its axes, deg"
+    )
+    mount_place_m: VectorDifference | None = Field(
+        None, description="end effector in the hand camera's axes, m"
+    )
+
+
 class ToldTable(Table):
     """What a pipeline is told otherwise than it is simulated; what is left out is told as it is.
 
@@ -137,6 +157,7 @@ class ToldTable(Table):
     clock: ToldClockTable | None = Field(None, description="on board")
     target: ToldTargetTable | None = Field(None, description="mass properties")
     mount: ToldMountTable | None = Field(None, description="of the camera")
+    arm: ToldArmTable | None = Field(None, description="as read and measured")
 
 
 OF_PAIRS, OF_TUMBLE = ("markers",), ("target", "mount")
@@ -152,7 +173,7 @@ def check_told(scenario: Scenario, where: str) -> None:
     """
     if scenario.told is None:
         return
-    told_of = dict.fromkeys(OF_PAIRS, scenario.frame_kind == "pairs")
+    told_of = dict.fromkeys(OF_PAIRS, scenario.frame_kind in ("pairs", "colour"))
     told_of |= dict.fromkeys(OF_TUMBLE, scenario.motion_kind == "tumble")
     for name, is_told in told_of.items():
         if getattr(scenario.told, name) is not None and not is_told:
@@ -161,6 +182,11 @@ def check_told(scenario: Scenario, where: str) -> None:
                 f"{where}: expected told.{name} to be left out without {what}, where no pipeline "
                 "is told of it"
             )
+    if scenario.told.arm is not None and scenario.arm is None:
+        raise ScenarioError(
+            f"{where}: expected told.arm to be left out without [arm], where no pipeline is told "
+            "of it"
+        )
     target, tumble = scenario.told.target, scenario.tumble
     if target is not None and tumble is not None and not tumble.onboard.knows_inertia:
         for key in ("inertia_scale", "inertia_axes_deg"):

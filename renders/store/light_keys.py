@@ -24,7 +24,8 @@ def spacecraft_hash(spacecraft: Spacecraft) -> str:
     """Return a hash of a spacecraft's meshes, materials and markers."""
     digest = hashlib.sha256()
     for part in spacecraft.parts:
-        digest.update(repr((part.name, part.smooth, spacecraft.material_of(part))).encode())
+        what = (part.name, part.smooth, spacecraft.material_of(part))
+        digest.update(repr((*what, part.frame) if part.frame else what).encode())
         digest.update(np.ascontiguousarray(part.mesh.vertices, dtype=np.float32).data)
         digest.update(np.ascontiguousarray(part.mesh.faces, dtype=np.int64).data)
     if spacecraft.markers is not None:
@@ -32,6 +33,7 @@ def spacecraft_hash(spacecraft: Spacecraft) -> str:
         digest.update(np.ascontiguousarray(spacecraft.markers.points_in_target).data)
         digest.update(np.ascontiguousarray(spacecraft.markers.normals_in_target).data)
         digest.update(repr(spacecraft.markers.radius_m).encode())
+        digest.update(spacecraft.markers.paint.encode())
     return digest.hexdigest()
 
 
@@ -63,11 +65,15 @@ class LightKeys:
         self.prior = world.onboard(0).prior
 
     def _placed(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, Any]:
-        return {
+        placed = {
             **self.common,
             "pose": cam_from_target.matrix().tolist(),
             "seed": self.world.render_seed(exposure.frame),
         }
+        frames = self.world.stance(exposure.time_s).cam_from_frames
+        if len(frames) > 1:
+            placed["frames"] = [frame.matrix().tolist() for frame in frames]
+        return placed
 
     def group(self, exposure: Exposure, cam_from_target: RigidTransform, group: LightGroup) -> str:
         """Return the key of one light group in one exposure.

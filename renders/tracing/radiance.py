@@ -197,12 +197,13 @@ def render_radiance(
             images[name][tiled] = traced.pop(name)  # one at a time: a hundred Suns fill a memory
     if markers is not None and windows:
         near, edge = marker_pixels(markers, camera, cam_from_target, windows)
-        lamps = [group for group in groups if isinstance(group, LampGroup)]
+        shown_by = [group for group in groups if markers.paint or isinstance(group, LampGroup)]
         near_samples = min(NEAR_SAMPLES, sampling.marker_samples)
-        # A Sun's light changes little across an outline; lamps' is returned on one side alone.
+        # A Sun's light changes little across a retroreflector's outline; lamps' is returned on one
+        # side alone. Of paint on black any light shows the outline.
         for pixels, samples, lit in (
-            (near, near_samples, groups if sampling.noise is None else lamps),
-            (edge, sampling.marker_samples, lamps),
+            (near, near_samples, groups if sampling.noise is None else shown_by),
+            (edge, sampling.marker_samples, shown_by),
         ):
             if len(pixels) == 0 or not lit:  # no disc shows its face, or no lamp shines
                 continue

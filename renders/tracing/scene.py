@@ -17,9 +17,11 @@ import numpy as np
 
 from models.arrays import Floats
 from models.markers import MarkerPattern
+from models.materials import MATERIALS
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from models.spacecraft.stance import BODY_ALONE, Stance
 from models.surface_detail import PLAIN
 from renders.tracing.surfaces import DiscPlace, Surface, bsdf_dict, surface_of, surface_of_disc
 from renders.truth.part_names import CHASER_LABEL, MARKER_LABEL
@@ -46,8 +48,10 @@ class SceneGeometry:
         Label by shape key.
     surface_of_shape : dict
         What each shape returns, by its key.
+    chaser_parts : dict
+        The chaser's parts, in their own frames, by shape key.
     chaser_in_cam : dict
-        Vertices of each chaser mesh in the camera's axes, m, by shape key.
+        Vertices of each chaser mesh in the camera's axes, m, by shape key; see ``take``.
     discs : MarkerPattern or None
         The retroreflectors among the shapes.
     optics : RetroreflectorOptics
@@ -59,9 +63,18 @@ class SceneGeometry:
     labels: tuple[str, ...]
     label_of_shape: dict[str, int]
     surface_of_shape: dict[str, Surface]
-    chaser_in_cam: dict[str, Floats] = field(default_factory=dict)
+    chaser_parts: dict[str, Part] = field(default_factory=dict)
+    chaser_in_cam: dict[str, Floats] = field(default_factory=dict, init=False)
     discs: MarkerPattern | None = None
     optics: RetroreflectorOptics = RetroreflectorOptics()  # noqa: RUF009 - frozen
+
+    def __post_init__(self) -> None:
+        if not any(part.frame for part in self.chaser_parts.values()):
+            self.take(BODY_ALONE)
+
+    def take(self, stance: Stance) -> None:
+        """Let the chaser stand as told; ``place_chaser`` then moves it in a scene."""
+        self.chaser_in_cam = {key: stance.corners(part) for key, part in self.chaser_parts.items()}
 
     @property
     def disc_keys(self) -> list[str]:
@@ -194,17 +207,22 @@ def disc_mesh(point: Floats, normal: Floats, radius_m: float) -> trimesh.Trimesh
     return mesh
 
 
-def _merged(parts: tuple[Part, ...]) -> dict[tuple[str, str, bool], trimesh.Trimesh]:
-    """Join the meshes of parts that share name, material and shading."""
+def _merged(parts: tuple[Part, ...]) -> list[Part]:
+    """Join the meshes of parts that share name, material, shading and frame."""
     import trimesh
 
-    groups: dict[tuple[str, str, bool], list[trimesh.Trimesh]] = {}
+    groups: dict[tuple[str, str, bool, int], list[trimesh.Trimesh]] = {}
     for part in parts:
-        groups.setdefault((part.name, part.material, part.smooth), []).append(part.mesh)
-    return {
-        key: meshes[0] if len(meshes) == 1 else trimesh.util.concatenate(meshes)
-        for key, meshes in groups.items()
+        key = (part.name, part.material, part.smooth, part.frame)
+        groups.setdefault(key, []).append(part.mesh)
+    joined = {
+        key: each[0] if len(each) == 1 else trimesh.util.concatenate(each)
+        for key, each in groups.items()
     }
+    return [
+        Part(name, mesh, material, smooth, frame)
+        for (name, material, smooth, frame), mesh in joined.items()
+    ]
 
 
 def build_geometry(
@@ -236,16 +254,16 @@ def build_geometry(
     shapes: dict[str, Any] = {}
     label_of_shape: dict[str, int] = {}
     surface_of_shape: dict[str, Surface] = {}
-    chaser_in_cam: dict[str, Floats] = {}
-    for number, ((name, material, smooth), mesh) in enumerate(_merged(target.parts).items()):
+    chaser_parts: dict[str, Part] = {}
+    for number, part in enumerate(_merged(target.parts)):
         key = f"target_{number:03d}"
-        shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
-        label_of_shape[key] = labels.index(name) + 1
-        surface_of_shape[key] = surface_of_material[material]
+        shapes[key] = mitsuba_mesh(key, part.mesh, bsdfs[part.material], part.smooth)
+        label_of_shape[key] = labels.index(part.name) + 1
+        surface_of_shape[key] = surface_of_material[part.material]
     markers = installed if installed is not None else target.markers
     if markers is not None:
-        disc = surface_of_disc(optics)
-        face = mi.load_dict(bsdf_dict(disc))
+        painted = _painted(target, markers)
+        face = mi.load_dict(bsdf_dict(painted or surface_of_disc(optics)))
         for name, point, normal in zip(
             markers.names, markers.points_in_target, markers.normals_in_target, strict=True
         ):
@@ -254,22 +272,32 @@ def build_geometry(
             shapes[key] = mitsuba_mesh(key, mesh, face, smooth=False)
             label_of_shape[key] = labels.index(MARKER_LABEL) + 1
             place = disc_place(point, normal, markers.radius_m)
-            surface_of_shape[key] = surface_of_disc(optics, place)
+            surface_of_shape[key] = painted or surface_of_disc(optics, place)
     if chaser is not None:
-        for number, ((_, material, smooth), mesh) in enumerate(_merged(chaser.parts).items()):
+        for number, part in enumerate(_merged(chaser.parts)):
             key = f"chaser_{number:03d}"
-            shapes[key] = mitsuba_mesh(key, mesh, bsdfs[material], smooth)
+            shapes[key] = mitsuba_mesh(key, part.mesh, bsdfs[part.material], part.smooth)
             label_of_shape[key] = labels.index(CHASER_LABEL) + 1
             # It moves in the target's frame, in which detail stands still.
-            surface_of_shape[key] = replace(surface_of_material[material], detail=PLAIN)
-            chaser_in_cam[key] = np.asarray(mesh.vertices, dtype=np.float64)
+            surface_of_shape[key] = replace(surface_of_material[part.material], detail=PLAIN)
+            chaser_parts[key] = part
     return SceneGeometry(
-        shapes, labels, label_of_shape, surface_of_shape, chaser_in_cam, markers, optics
+        shapes, labels, label_of_shape, surface_of_shape, chaser_parts, markers, optics
     )
+
+
+def _painted(target: Spacecraft, markers: MarkerPattern) -> Surface | None:
+    """Return what painted dots return; None of retroreflectors."""
+    if not markers.paint:
+        return None
+    paint = target.materials.get(markers.paint) or MATERIALS[markers.paint]
+    return replace(surface_of(paint), two_sided=False)
 
 
 def place_chaser(scene: Any, geometry: SceneGeometry, cam_from_target: RigidTransform) -> None:
     """Move the chaser so that its camera stands where ``cam_from_target`` says.
+
+    One whose parts move in each other has to ``take`` its stance first.
 
     Parameters
     ----------

@@ -17,6 +17,7 @@ from models.camera import Camera
 from models.lights.earth import Earth
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
+from models.spacecraft.stance import BODY_ALONE, Stance
 
 MARGIN_PX = 2  # half a pixel, and the rounding of corners
 NEAREST_M = 0.1  # a corner nearer than this has no picture to speak of
@@ -24,7 +25,10 @@ CUBE = np.array(list(product((-1.0, 1.0), repeat=3)))  # around a disc, whatever
 
 
 def pieces_of(
-    target: Spacecraft, chaser: Spacecraft | None, cam_from_target: RigidTransform
+    target: Spacecraft,
+    chaser: Spacecraft | None,
+    cam_from_target: RigidTransform,
+    stance: Stance = BODY_ALONE,
 ) -> Iterator[Floats]:
     """Yield the corners of everything that could be seen, (n, 3), m, target frame.
 
@@ -33,6 +37,8 @@ def pieces_of(
     target : Spacecraft
     chaser : Spacecraft or None
     cam_from_target : RigidTransform
+    stance : Stance
+        Of the chaser.
     """
     for part in target.parts:
         yield np.asarray(part.mesh.vertices, dtype=np.float64)
@@ -42,7 +48,7 @@ def pieces_of(
     if chaser is not None:
         target_from_cam = cam_from_target.inverse()
         for part in chaser.parts:
-            yield target_from_cam @ np.asarray(part.mesh.vertices, dtype=np.float64)
+            yield target_from_cam @ stance.corners(part)
 
 
 def pixels_in_view(

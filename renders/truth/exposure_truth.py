@@ -45,7 +45,7 @@ class ExposureTruth:
     ----------
     frame : int
     band : int
-        800 or 850.
+        800 or 850; 0 of a single image.
     time_s : float, s
         Middle of the exposure.
     cam_from_target : RigidTransform
@@ -59,7 +59,7 @@ class ExposureTruth:
     visible : (n,) array
         Share of each disc that the camera's lens sees and the image holds.
     lamp_lit : (n,) array
-        Share of each disc that the lamps reach.
+        Share of each disc that the lamps reach; of a painted dot, the Sun or they, whichever more.
     sun_lit : (n,) array
         Share of each disc that the centre of the Sun reaches; 0 where it faces away.
     """

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from models.errors import ScenarioError
+from models.lights.led_beam import LedRing
 from models.pose import RigidTransform
 from renders.truth.exposure_truth import ExposureTruth
 from renders.truth.pixel_truth import marker_light, outline_centres_px
@@ -41,9 +43,11 @@ def exposure_truth(
         markers,
         camera,
         cam_from_target,
-        world.lamps(exposure.band).ring,
+        _ring(world, exposure),
         {sun.name: sun.direction_in_target},
     )
+    if markers.paint:  # a dot needs some light, whatever sends it
+        light = replace(light, lamp_lit=np.maximum(light.lamp_lit, light.sun_lit[sun.name]))
     return ExposureTruth(
         frame=exposure.frame,
         band=exposure.band,
@@ -56,3 +60,10 @@ def exposure_truth(
         lamp_lit=light.lamp_lit,
         sun_lit=light.sun_lit[sun.name],
     )
+
+
+def _ring(world: World, exposure: Exposure) -> LedRing | None:
+    """Return the lamps by which the markers are seen: their own, else an illuminator, or none."""
+    stream = world.sensor.stream(exposure.band)
+    lamps = stream.own_lamps or next(iter(stream.floodlights), None)
+    return None if lamps is None else lamps.ring

@@ -160,7 +160,7 @@ def marker_light(
     markers: MarkerPattern,
     camera: Camera,
     cam_from_target: RigidTransform,
-    lamps: LedRing,
+    lamps: LedRing | None,
     suns: dict[str, tuple[float, float, float]],
 ) -> MarkerLight:
     """Find how much of each marker the lens sees, the lamps reach and each Sun lights.
@@ -171,7 +171,8 @@ def marker_light(
     markers : MarkerPattern
     camera : Camera
     cam_from_target : RigidTransform
-    lamps : LedRing
+    lamps : LedRing or None
+        None where there are none: nothing is lit by them.
     suns : dict of str to tuple of 3 floats
         Unit vectors towards them, target frame, by name.
     """
@@ -193,8 +194,10 @@ def marker_light(
         clear = in_image & facing & unoccluded(scene, flat, lens)
         return np.asarray(clear.reshape(count, DISC_POINTS).mean(axis=1))
 
-    leds = target_from_cam @ lamps.points_in_cam
-    lamp_lit = np.mean([share(np.broadcast_to(led, flat.shape)) for led in leds], axis=0)
+    lamp_lit = np.zeros(count)
+    if lamps is not None:
+        leds = target_from_cam @ lamps.points_in_cam
+        lamp_lit = np.mean([share(np.broadcast_to(led, flat.shape)) for led in leds], axis=0)
     far = 1e3  # m; beyond anything in the scene
     sun_lit = {name: share(flat + far * np.asarray(towards)) for name, towards in suns.items()}
     return MarkerLight(visible=seen(), lamp_lit=lamp_lit, sun_lit=sun_lit)

@@ -7,14 +7,18 @@ from functools import partial
 
 import numpy as np
 
-from models.materials import BandReflectance
+from models.errors import ScenarioError
+from models.materials import BLACK, BandReflectance
 from models.motion.approach import Approach
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.table_motion import Stills, TableMotion
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.onboard import FlightExpectations
 from models.sky.earth_pointing import rotation_from_wxyz
+from models.sky.sun_ephemeris import right_ascension_over
+from models.spacecraft.armed_chaser import armed_chaser
 from models.spacecraft.catalogue import spacecraft_by_name
+from models.spacecraft.in_colour import in_colour
 from models.spacecraft.own_markers import with_own_markers
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
@@ -22,18 +26,26 @@ from renders.scenario.marker_tables import markers_from
 from renders.scenario.motion_choice import table_motion_of
 from renders.scenario.own_target import target_of, wireframe_if_any, wireframe_of
 from renders.scenario.scenario import Scenario
+from renders.scenario.sky_tables import StarsTable
+from renders.scenario.sun_choice import EPOCH, epoch_in
 from renders.scenario.surface_tables import with_surfaces
 from renders.scenario.tumble_tables import TumbleTable
 from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
+from renders.world.arm_aboard import ArmAboard, CarriedCamera, Moved
+from renders.world.arm_clear import clear_of_everything
+from renders.world.arm_planned import arm_aboard
+from renders.world.arm_told import FirstPoseByArm, JointReadings, ToldArm
 from renders.world.bodies import Bodies
-from renders.world.cameras import pair_camera, single_camera
+from renders.world.cameras import colour_camera, pair_camera, single_camera
 from renders.world.checks import (
+    Check,
     Sunlit,
     centre_in_image,
     exposed_before_the_next,
     free_about_its_centre,
     outside_the_target,
     shown_in_some_image,
+    sun_not_behind_the_earth,
 )
 from renders.world.exposure_plan import (
     ExposurePlan,
@@ -45,24 +57,26 @@ from renders.world.exposure_plan import (
 from renders.world.moving_sun import with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
-from renders.world.table_sensors import ChaserNavigation
+from renders.world.table_sensors import ChaserNavigation, TableSensor
 from renders.world.trajectory import FreeMotion, Trajectory
 from renders.world.world import World
 
 SHORTEST_S = 1.0  # a motion of one frame lasts, too
-PAIRS, TUMBLES, POSED = "retroreflector_pairs", "tumble_images", "posed_images"
+PAIRS, TUMBLES, POSED, DOTS = "retroreflector_pairs", "tumble_images", "posed_images", "dot_images"
 
 
 def world_of(scenario: Scenario) -> World:
     """Compose the things of a scenario: what moves, and what a frame of it is."""
     if scenario.tumble is not None:
         return _tumble(scenario, scenario.tumble)
-    return _pairs(scenario) if scenario.frame_kind == "pairs" else _singles(scenario)
+    composed = {"pairs": _pairs, "single": _singles, "colour": _in_colour}
+    return composed[scenario.frame_kind](scenario)
 
 
 def _pairs(scenario: Scenario) -> World:
     """Image pairs of a target with markers, under a sky that stands still over it."""
-    moving, bodies, sensor = _moving(scenario), _bodies(scenario, "chaser"), pair_camera(scenario)
+    moving = _moving(scenario)
+    bodies, sensor = _bodies(scenario, moving, has_chaser=True), pair_camera(scenario)
     return World(
         scenario=scenario,
         chain=PAIRS,
@@ -76,18 +90,22 @@ def _pairs(scenario: Scenario) -> World:
             calibration=scenario.calibration,
             detector=scenario.simulated_detector,
             marked=bodies,
-            first_pose=FirstPose(moving.trajectory, scenario.times_s[0], scenario.prior),
+            first_pose=_first_pose(scenario, moving),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
+            arm=moving.told_arm,
         ),
         truth=OfMarkers(),
-        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next),
+        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next, *moving.checks),
+        tables=moving.tables,
+        arm=moving.arm,
     )
 
 
 def _singles(scenario: Scenario) -> World:
     """Single images of a target, as it is met; nothing is known on board of where it is."""
-    moving, bodies, sensor = _moving(scenario), _bodies(scenario), single_camera(scenario)
+    moving = _moving(scenario)
+    bodies, sensor = _bodies(scenario, moving), single_camera(scenario)
     wireframe = wireframe_if_any(scenario)
     share = scenario.pixel_scale**2
     return World(
@@ -105,10 +123,54 @@ def _singles(scenario: Scenario) -> World:
             wireframe=wireframe,
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
+            arm=moving.told_arm,
         ),
         truth=OfPoses(wireframe),
+        checks=(outside_the_target, shown_in_some_image, *moving.checks),
+        tables=moving.tables,
+        arm=moving.arm,
+    )
+
+
+def _in_colour(scenario: Scenario) -> World:
+    """Single images in colour of white dots, from a first pose; the chaser is out of the way."""
+    moving, sensor = _moving(scenario), colour_camera(scenario)
+    bodies = Bodies(
+        make_target=partial(_dotted_in_colour, scenario),
+        optics=RetroreflectorOptics(returned=BLACK),
+    )
+    board, share = wireframe_if_any(scenario), scenario.pixel_scale**2
+    return World(
+        scenario=scenario,
+        chain=DOTS,
+        bodies=bodies,
+        trajectory=moving.trajectory,
+        sky=_sky(scenario, moving.sky, moving.table),
+        sensor=sensor,
+        plan=_plan(scenario, FillOfMarkers(scenario, moving.plan, bodies.optics), share, moving),
+        before_flight=BeforeFlight(
+            camera=sensor.camera,
+            calibration=scenario.calibration,
+            detector=scenario.simulated_detector,
+            marked=bodies,
+            first_pose=FirstPose(moving.trajectory, scenario.times_s[0], scenario.prior),
+            wireframe=board,
+            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
+            told=scenario.told,
+        ),
+        truth=OfMarkers(),
         checks=(outside_the_target, shown_in_some_image),
     )
+
+
+def _dotted_in_colour(scenario: Scenario) -> Spacecraft:
+    target = in_colour(_target(scenario))
+    if target.markers is None:
+        raise ScenarioError(
+            f'{scenario.name}: expected a target with markers for frame.kind = "colour", '
+            f"{target.name} has none; give [markers]"
+        )
+    return replace(target, markers=replace(target.markers, paint="white_paint"))
 
 
 def _tumble(scenario: Scenario, table: TumbleTable) -> World:
@@ -165,22 +227,76 @@ class Moving:
         As it is, and as the chaser reckons with.
     sky : FixedInTarget
     table : TableMotion or None
+    arm : ArmAboard or None
+    told_arm : ToldArm or None
+    by_date : bool
+        Whether the Sun stands where the date has it.
     """
 
     trajectory: Trajectory
     plan: Trajectory
     sky: FixedInTarget
     table: TableMotion | None = None
+    arm: ArmAboard | None = None
+    told_arm: ToldArm | None = None
+    by_date: bool = False
+
+    @property
+    def tables(self) -> tuple[TableSensor, ...]:
+        """The arm's joints as read."""
+        return () if self.told_arm is None else (JointReadings(self.told_arm),)
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether the arm stays clear, and the Earth away from a Sun by date."""
+        by_date = () if not self.by_date else (sun_not_behind_the_earth,)
+        return by_date if self.arm is None else (*by_date, clear_of_everything)
 
 
 def _moving(scenario: Scenario) -> Moving:
+    """Return what moves, the arm with it."""
+    moving = _without_arm(scenario)
+    if scenario.arm is None:
+        return moving
+    arm = arm_aboard(scenario, scenario.arm, moving.trajectory)
+    told = ToldArm(arm, None if scenario.told is None else scenario.told.arm)
+    moving = replace(moving, arm=arm, told_arm=told)
+    if not arm.carries_camera:
+        return moving
+    return replace(
+        moving,
+        trajectory=CarriedCamera(arm, moving.trajectory),
+        plan=CarriedCamera(arm, moving.plan),
+    )
+
+
+def _without_arm(scenario: Scenario) -> Moving:
     if scenario.motion_kind == "poses":
         table = table_motion_of(scenario)
         return Moving(table, table, FixedInTarget(scenario.earth, scenario.stars), table)
     approach = Approach() if scenario.motion.target_wobble else Approach(pointing_accuracy_deg=0.0)
     flight_plan = replace(approach, pointing_accuracy_deg=0.0)  # the target does not sway
-    sky = FixedInTarget(scenario.earth, scenario.stars, approach.wobble)
-    return Moving(approach, flight_plan, sky)
+    sky = FixedInTarget(scenario.earth, _stars(scenario), approach.wobble)
+    ring, by_date = scenario.motion.ring_in_target_m, scenario.sun.default == EPOCH
+    if ring is None:
+        return Moving(approach, flight_plan, sky, by_date=by_date)
+    return Moving(Moved(approach, ring), Moved(flight_plan, ring), sky, by_date=by_date)
+
+
+def _stars(scenario: Scenario) -> StarsTable:
+    """Return how an approached target stands among the stars, typed or by date and longitude."""
+    longitude_deg = scenario.motion.longitude_deg
+    if longitude_deg is None:
+        return scenario.stars
+    zenith_deg = right_ascension_over(longitude_deg, epoch_in(scenario))
+    return scenario.stars.model_copy(update={"zenith_right_ascension_deg": zenith_deg})
+
+
+def _first_pose(scenario: Scenario, moving: Moving) -> FirstPose | FirstPoseByArm:
+    start_s, table = scenario.times_s[0], scenario.prior
+    if table.by == "arm" and moving.told_arm is not None:
+        return FirstPoseByArm(moving.told_arm, start_s, table)
+    return FirstPose(moving.trajectory, start_s, table)
 
 
 def _target(scenario: Scenario) -> Spacecraft:
@@ -192,15 +308,19 @@ def _target(scenario: Scenario) -> Spacecraft:
     return with_own_markers(target, markers_from(scenario.markers, scenario.name))
 
 
-def _bodies(scenario: Scenario, chaser: str | None = None) -> Bodies:
+def _bodies(scenario: Scenario, moving: Moving | None = None, has_chaser: bool = False) -> Bodies:
+    """Return the target and the chaser, where that is near enough or carries an arm."""
     table = scenario.retroreflector
+    make_chaser = partial(spacecraft_by_name, "chaser") if has_chaser else None
+    if moving is not None and moving.arm is not None:
+        make_chaser = partial(armed_chaser, moving.arm.motion.arm, moving.arm.hand_from_tool)
     return Bodies(
         make_target=partial(_target, scenario),
         optics=RetroreflectorOptics(
             half_angle_deg=table.half_angle_deg,
             returned=BandReflectance(0.0, table.returned_800, table.returned_850),
         ),
-        make_chaser=None if chaser is None else partial(spacecraft_by_name, chaser),
+        make_chaser=make_chaser,
     )
 
 

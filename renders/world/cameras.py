@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +13,8 @@ from models.frame import IMAGE, IMAGE_800, IMAGE_850
 from models.lights.led_beam import LedRing
 from renders.detector.expose import SUNLIGHT_NM
 from renders.scenario.scenario import Scenario
-from renders.tracing.light_groups import NIR800, NIR850, SUNLIGHT, LampGroup
+from renders.tracing.light_groups import NIR800, NIR850, SUNLIGHT, LampGroup, LightGroup
+from renders.world.colour_light import in_each_colour
 from renders.world.exposure import FILTERED, Exposure, band_suffix
 
 BANDS = (800, 850)
@@ -62,10 +64,13 @@ class ImagingSensor:
         That renders.
     streams : tuple of ImageStream
         In order of time; the last meters the next frame's exposure.
+    in_colour : bool
+        Whether its chip lies behind Bayer's filters.
     """
 
     camera: Camera
     streams: tuple[ImageStream, ...]
+    in_colour: bool = False
 
     @cached_property
     def bands(self) -> tuple[int, ...]:
@@ -75,6 +80,12 @@ class ImagingSensor:
     def stream(self, band: int) -> ImageStream:
         """Return the stream of a band."""
         return self.streams[self.bands.index(band)]
+
+    def seen(self, groups: Sequence[LightGroup]) -> list[LightGroup]:
+        """Return groups as it sees them: whole, or each in its three colours."""
+        if not self.in_colour:
+            return list(groups)
+        return [part for group in groups for part in in_each_colour(group)]
 
     def lamps(self, band: int) -> LampGroup:
         """Return the lamps of a band alone.
@@ -110,6 +121,12 @@ def single_camera(scenario: Scenario) -> ImagingSensor:
     """Return the camera of single images: all that its filter passes, a floodlight or none."""
     stream = ImageStream(IMAGE, FILTERED, floodlights=floodlights(scenario))
     return ImagingSensor(scenario.simulated_camera, (stream,))
+
+
+def colour_camera(scenario: Scenario) -> ImagingSensor:
+    """Return the camera of single images in colour, with an illuminator or none."""
+    stream = ImageStream(IMAGE, FILTERED, floodlights=floodlights(scenario))
+    return ImagingSensor(scenario.simulated_camera, (stream,), in_colour=True)
 
 
 def lamps_of_band(scenario: Scenario, band: int) -> LampGroup:

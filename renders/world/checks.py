@@ -130,6 +130,26 @@ def exposed_before_the_next(world: World) -> None:
         )
 
 
+def sun_not_behind_the_earth(world: World) -> None:
+    """Refuse an approach on a date and at an hour at which the Earth hides the Sun.
+
+    Raises
+    ------
+    ScenarioError
+        The message names the time.
+    """
+    for exposure in world.exposures:
+        sun = np.array(world.sun_at(world.sun, exposure.time_s).direction_in_target)
+        down, radius_km = world.earth_at(exposure.time_s)
+        ahead = float(down @ sun)
+        if ahead > 0.0 and radius_km * np.sqrt(max(0.0, 1.0 - ahead**2)) < EARTH_RADIUS_KM:
+            raise ScenarioError(
+                f"expected a date on which the Earth does not hide the Sun; at "
+                f"{exposure.time_s:.1f} s it does: give another motion.epoch_utc, or another "
+                "motion.longitude_deg"
+            )
+
+
 @dataclass(frozen=True, eq=False)
 class Sunlit:
     """Refuses a motion through the Earth's shadow.

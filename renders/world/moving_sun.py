@@ -77,6 +77,32 @@ class WithSunByDate:
         return self.turning.target_from_icrs(time_s)
 
 
+@dataclass(frozen=True, eq=False)
+class UnderTheStars:
+    """A sky over a target of which it is known how it stands among the stars.
+
+    Attributes
+    ----------
+    turning : Turning
+    """
+
+    turning: Turning
+    suns_stand_still: ClassVar[bool] = False
+
+    def sun_in_target(self, direction: tuple[float, float, float], time_s: float) -> list[float]:
+        """Return it from axes of the ICRS."""
+        sun: list[float] = (self.target_from_icrs(time_s) @ np.array(direction)).tolist()
+        return sun
+
+    def earth_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
+        return self.turning.earth_at(time_s)
+
+    def target_from_icrs(self, time_s: float) -> Floats:
+        """Return the (3, 3) rotation of the target among the stars."""
+        return self.turning.target_from_icrs(time_s)
+
+
 def with_its_sun(
     scenario: Scenario, turning: Turning, motion: TableMotion | None = None
 ) -> tuple[Turning, SunGroup]:
@@ -94,6 +120,8 @@ def with_its_sun(
     if name == TABLE and motion is not None:
         return WithSunOfTable(turning, motion), SunGroup(f"sun_{TABLE}", ANYWHERE)
     if name == EPOCH:
+        if scenario.tumble is None:
+            turning = UnderTheStars(turning)
         return WithSunByDate(turning, epoch_in(scenario)), SunGroup(f"sun_{EPOCH}", ANYWHERE)
     return turning, sun_group(name)
 

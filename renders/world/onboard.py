@@ -13,6 +13,7 @@ from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
+from renders.world.arm_told import FirstPoseByArm, ToldArm
 from renders.world.bodies import Bodies
 from renders.world.told import ToldClock, told
 from renders.world.trajectory import Trajectory
@@ -35,12 +36,19 @@ class FirstPose:
     start_s: float
     table: PriorTable
 
-    def drawn(self, run: int) -> PosePrior:
-        """Return it as a run has it."""
+    def drawn(self, run: int, draw: int) -> PosePrior:
+        """Return it as a run has it.
+
+        Parameters
+        ----------
+        run : int
+        draw : int
+            Purpose that keys the run's random numbers.
+        """
         truth = self.trajectory.cam_from_target(self.start_s)
         sigma_m = np.array(self.table.sigma_t_m)
         sigma_deg = np.array(self.table.sigma_euler_deg)
-        rng = np.random.default_rng([run, PRIOR_DRAW])
+        rng = np.random.default_rng([run, draw])
         return PosePrior(draw_prior(truth, sigma_m, sigma_deg, rng), sigma_m, sigma_deg)
 
 
@@ -57,24 +65,27 @@ class BeforeFlight:
     detector : Detector
     marked : Bodies or None
         Of which the markers are known.
-    first_pose : FirstPose or None
+    first_pose : FirstPose, FirstPoseByArm or None
     wireframe : Wireframe or None
     expectations : FlightExpectations or None
     psf_sigma_px : float, px
         Blur of the lens; told where ``told`` says so.
     told : ToldTable or None
         How what is told differs from all this.
+    arm : ToldArm or None
+        The chaser's arm, where it moves.
     """
 
     camera: Camera
     calibration: CalibrationTable
     detector: Detector
     marked: Bodies | None = None
-    first_pose: FirstPose | None = None
+    first_pose: FirstPose | FirstPoseByArm | None = None
     wireframe: Wireframe | None = None
     expectations: FlightExpectations | None = None
     psf_sigma_px: float = 0.0
     told: ToldTable | None = None
+    arm: ToldArm | None = None
 
     def in_run(self, run: int) -> OnboardKnowledge:
         """Return what a run has on board: its own prior, and its own errors of all that is told.
@@ -96,10 +107,11 @@ class BeforeFlight:
             camera=self.camera,
             detector=self.detector,
             markers=markers,
-            prior=None if self.first_pose is None else self.first_pose.drawn(run),
+            prior=None if self.first_pose is None else self.first_pose.drawn(run, PRIOR_DRAW),
             wireframe=self.wireframe,
             expectations=self.expectations,
             psf_sigma_px=self.psf_sigma_px,
+            tables={} if self.arm is None else self.arm.tables(run),
         )
         return told(true, self.told, self.calibration, run)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.lights.earth import Earth
-from models.lights.sun import SUN_CASES_DEG, sun_direction, unit_direction
+from models.lights.sun import NAMED_SUNS, sun_direction, unit_direction
 from models.motion.attitude_wobble import AttitudeWobble
 from models.motion.table_motion import Stills
 from models.sky.earth_pointing import earth_pointing, rotation_from_wxyz, turned
@@ -178,9 +178,9 @@ class Sky:
 
 
 def sun_group(text: str) -> SunGroup:
-    """Return the light group of a Sun named S1 to S7 or typed as x,y,z."""
+    """Return the light group of a Sun of the papers' or typed as x,y,z."""
     direction = sun_direction(text)
     name = text.strip().upper()
-    if name not in SUN_CASES_DEG:
+    if name not in NAMED_SUNS:
         name = "_".join(f"{x:+.6f}" for x in direction)
     return SunGroup(f"sun_{name}", (float(direction[0]), float(direction[1]), float(direction[2])))

@@ -128,7 +128,7 @@ def told_markers(
         turned = Rotation.from_rotvec(turns_deg, degrees=True).apply(normals)
         normals = turned / np.linalg.norm(turned, axis=1, keepdims=True)
     radius_m = true.radius_m + error_of(table.radius_m, run, "markers.radius_m")
-    return MarkerPattern(true.names, points, normals, radius_m)
+    return MarkerPattern(true.names, points, normals, radius_m, true.paint)
 
 
 def told_wireframe(

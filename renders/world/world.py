@@ -20,10 +20,12 @@ from models.onboard import OnboardKnowledge, PosePrior
 from models.pose import RigidTransform
 from models.spacecraft.part import Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
+from models.spacecraft.stance import BODY_ALONE, Stance
 from renders.scenario.scenario import Scenario
 from renders.tracing.light_groups import EarthGroup, LampGroup, LightGroup, SunGroup
 from renders.tracing.silhouette import pieces_of, pixels_in_view, sees
 from renders.truth.makers import TruthMaker
+from renders.world.arm_aboard import ArmAboard
 from renders.world.bodies import Bodies
 from renders.world.cameras import ImagingSensor
 from renders.world.checks import Check
@@ -62,6 +64,8 @@ class World:
         The streams without images.
     absolute : FreeMotion or None
         States in an inertial frame, where there is an orbit.
+    arm : ArmAboard or None
+        The chaser's arm.
     """
 
     scenario: Scenario
@@ -76,6 +80,7 @@ class World:
     checks: tuple[Check, ...]
     tables: tuple[TableSensor, ...] = ()
     absolute: FreeMotion | None = None
+    arm: ArmAboard | None = None
 
     @property
     def bands(self) -> tuple[int, ...]:
@@ -137,17 +142,23 @@ class World:
         """Return the groups that light one exposure under the scenario's Sun."""
         sun = self.sun_at(self.sun, exposure.time_s)
         lamps = self.sensor.stream(exposure.band).lamps
-        return [sun, *self.sky.earth_under(sun, exposure.time_s), *lamps]
+        return self.sensor.seen([sun, *self.sky.earth_under(sun, exposure.time_s), *lamps])
 
     def groups(self, exposure: Exposure) -> list[LightGroup]:
         """Return every group that is rendered for an exposure; the names are those of all."""
         suns = [self.sun_at(sun, exposure.time_s) for sun in self.suns]
         earths = [earth for sun in suns for earth in self.sky.earth_under(sun, exposure.time_s)]
-        return [*suns, *earths, *self.sensor.stream(exposure.band).lamps]
+        return self.sensor.seen([*suns, *earths, *self.sensor.stream(exposure.band).lamps])
 
-    def silhouette(self, cam_from_target: RigidTransform) -> Mask | None:
+    def stance(self, time_s: float) -> Stance:
+        """Return how the chaser stands at an instant; always the same if nothing moves."""
+        return BODY_ALONE if self.arm is None else self.arm.stance(time_s)
+
+    def silhouette(
+        self, cam_from_target: RigidTransform, stance: Stance = BODY_ALONE
+    ) -> Mask | None:
         """Return the pixels that spacecraft can fill, (height, width); None: any."""
-        pieces = pieces_of(self.target, self.chaser, cam_from_target)
+        pieces = pieces_of(self.target, self.chaser, cam_from_target, stance)
         return pixels_in_view(pieces, self.camera, cam_from_target)
 
     def shows_earth(self, exposure: Exposure, cam_from_target: RigidTransform) -> bool:

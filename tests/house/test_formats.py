@@ -10,11 +10,13 @@ import pytest
 from bench.estimating.foreign_estimates.reading import read_foreign_estimates
 from bench.estimating.foreign_estimates.said_poses import Choices
 from bench.estimating.runs import read_run
+from models.arm.arm_file import own_arm
 from models.dataset.dataset import open_dataset
 from models.dataset.estimates_file import read_estimates, write_estimates
 from models.dataset.image_file import encode_image
 from models.errors import RvbenchError
 from models.motion.relative_state import ROTATION, TRANSLATION, relative_state
+from models.pose import RigidTransform
 from models.spacecraft.own.description import KEYS, WIREFRAME_KEYS, description_of
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -133,3 +135,11 @@ def test_the_estimates_from_elsewhere_are_of_that_dataset(folders, name):
         np.testing.assert_allclose(place.translation, [0.0, 0.1, range_m], atol=1e-12)
         np.testing.assert_allclose(place.rotation, np.diag([1.0, -1.0, -1.0]), atol=1e-12)
     assert not read.unsaid
+
+
+def test_the_arm_is_read():
+    lines = EXAMPLES["own/arm.toml"].splitlines()
+    own = own_arm(lines, "arm.toml", RigidTransform.identity())
+    assert [joint.name for joint in own.arm.joints] == ["shoulder", "elbow", "wrist"]
+    assert own.arm.reach_m == pytest.approx(0.3 + 1.0 + np.hypot(0.8, 0.1))
+    assert own.near_deg.tolist() == [0.0, 60.0, -90.0]

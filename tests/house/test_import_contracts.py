@@ -49,9 +49,9 @@ PLANTED = {
         "import pipelines.tracking.point_fit",
         "pipelines.detection.blobs -> pipelines.tracking.point_fit",
     ),
-    "pipelines/chaser_fixed/knowledge.py": (
+    "pipelines/chaser_fixed/registered.py": (
         "import pipelines.uncooperative.options",
-        "pipelines.chaser_fixed.knowledge -> pipelines.uncooperative.options",
+        "pipelines.chaser_fixed.registered -> pipelines.uncooperative.options",
     ),
     "renders/truth/exposure_truth.py": (
         "import pipelines.chaser_fixed.options",

@@ -19,7 +19,7 @@ from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
 from models.markers import MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 
 CAMERA_2048 = Camera.from_fov(2048, 2048, 50.0)
 CAMERA_1024 = Camera.from_fov(1024, 1024, 50.0)

@@ -98,7 +98,9 @@ def markers_figure(score: Score) -> str:
                 color=colour_of(variant, _ordered(score)), lw=1.5, label=f"used by {variant}",
                 ls="-" if variant == "best" else "--",
             )  # fmt: skip
-        panel.axhline(4, color=OTHER, lw=0.9, ls=":", label="four, the least that can be checked")
+        if max(whole, default=0) >= 4:
+            told = "four, the least that can be checked"
+            panel.axhline(4, color=OTHER, lw=0.9, ls=":", label=told)
         panel.set_ylim(0, max([*whole, 4]) + 1)
         panel.set_xlabel("time, s")
         panel.set_ylabel("markers")

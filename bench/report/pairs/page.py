@@ -23,6 +23,22 @@ from models.onboard import needed
 
 def report(given: ReportInput) -> ReportParts:
     """Return the page's parts."""
+    return marker_report(given, "image pairs", "ring", "850 nm")
+
+
+def marker_report(given: ReportInput, frames: str, origin: str, hero_words: str) -> ReportParts:
+    """Return the parts of a page on images of markers.
+
+    Parameters
+    ----------
+    given : ReportInput
+    frames : str
+        What a frame is, in words.
+    origin : str
+        Of the target frame.
+    hero_words : str
+        Of the picture at the top.
+    """
     score, rows = given.score, given.headline["per_frame"]
     published = published_case(given.info.target, given.info.sun)
     ranges = [row["range_m"] for row in rows]
@@ -32,13 +48,13 @@ def report(given: ReportInput) -> ReportParts:
     detector = needed(onboard.detector, "detector.toml", "the report")
     return ReportParts(
         lead=(
-            f"{given.info.target} under Sun {given.info.sun}, {score['frames']} image pairs of "
-            f"{camera.width} × {camera.height}, camera to ring {number(max(ranges))} to "
+            f"{given.info.target} under Sun {given.info.sun}, {score['frames']} {frames} of "
+            f"{camera.width} × {camera.height}, camera to {origin} {number(max(ranges))} to "
             f"{number(min(ranges))} m"
         ),
         cards=_cards(given.headline),
         hero=with_pose[len(with_pose) // 2]["frame"],
-        hero_words="850 nm",
+        hero_words=hero_words,
         headline=tables.headline_table(score),
         after=[_beside(given, published), *_over_time(given, published)],
         later=[_by_range(score)],
@@ -74,7 +90,7 @@ def _cards(own: dict[str, Any]) -> list[Card]:
 def _beside(given: ReportInput, published: PublishedCase | None) -> Section:
     told = "No paper reports this Sun with this target."
     if published is not None:
-        told = f"{published.source}, Tables 12 and 13, Sun {given.info.sun}."
+        told = f"{published.source}, {published.tables}, Sun {given.info.sun}."
     return Section(
         title="Beside the paper",
         text=f"{told} Position in mm, angles in deg, centroids (u, v) in px.",

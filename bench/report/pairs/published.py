@@ -18,6 +18,8 @@ class PublishedCase:
     Attributes
     ----------
     source : str
+    tables : str
+        Of the paper, where its numbers stand.
     runs : int
         Over which mean and std are taken.
     mean, std : PoseStatistic
@@ -26,6 +28,7 @@ class PublishedCase:
     """
 
     source: str
+    tables: str
     runs: int
     mean: PoseStatistic
     std: PoseStatistic
@@ -36,11 +39,13 @@ class PublishedCase:
 def published_case(target: str, sun: str) -> PublishedCase | None:
     """Return what Opromolla et al. 2022 report for a target under a Sun, or None."""
     table = tomllib.loads((REFERENCE / "opromolla2022.toml").read_text())
-    if target != table["source"]["target"] or sun not in table["results"]:
+    own = "eye_in_hand_target" if sun.startswith("E-") else "target"
+    if target != table["source"][own] or sun not in table["results"]:
         return None
     row, centroids = table["results"][sun], table["centroids"][sun]
     return PublishedCase(
         source=table["source"]["title"],
+        tables="Table 17" if sun.startswith("E-") else "Tables 12 and 13",
         runs=table["source"]["runs"],
         mean=PoseStatistic(row["mean_t_cm"], row["mean_euler_deg"]),
         std=PoseStatistic(row["std_t_cm"], row["std_euler_deg"]),

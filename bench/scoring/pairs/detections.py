@@ -51,8 +51,8 @@ class VisibleMarkers:
 
     @property
     def enough(self) -> bool:
-        """Whether at least four markers are whole: no pose then counts as missed."""
-        return int(self.whole.sum()) >= MIN_MARKERS
+        """Whether at least four markers, or all of fewer, are whole: no pose then is missed."""
+        return int(self.whole.sum()) >= min(MIN_MARKERS, len(self.whole))
 
 
 @dataclass(frozen=True)

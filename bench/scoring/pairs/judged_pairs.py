@@ -1,4 +1,4 @@
-"""Estimates of image pairs held against the truth, frame by frame."""
+"""Estimates of images of markers, pairs and single ones, held against the truth, frame by frame."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ from models.estimate import Estimate
 from models.markers import MarkerPattern
 from models.onboard import needed
 from models.pose import PoseError, pose_error
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 from renders.truth.exposure_truth import ExposureTruth, read_exposures
 
+LAST_BANDS = (850, 0)  # of a pair, and the one of a single image
 HALF = 0.5  # of a marker, in sunlight
 
 
@@ -38,7 +39,7 @@ HALF = 0.5  # of a marker, in sunlight
 class TrueFrame:
     """What really was at the instant to which a frame's estimate is stamped.
 
-    That is the middle of its 850 nm exposure.
+    That is the middle of its last exposure; of a pair, the 850 nm one.
 
     Attributes
     ----------
@@ -119,7 +120,7 @@ def read_true_dataset(dataset: Dataset) -> TrueDataset:
 
     folder = dataset.folder
     exposures = read_exposures(folder)
-    told = FlightKnowledge.of(dataset.onboard)
+    told = FlightKnowledge.of(dataset.onboard, "judging markers")
     markers = folder / "truth" / "markers.toml"
     pattern = read_markers(markers) if markers.is_file() else told.markers
     scenario = folder / "truth" / "scenario.toml"
@@ -129,13 +130,14 @@ def read_true_dataset(dataset: Dataset) -> TrueDataset:
             f"{folder}/markers.toml: expected the {len(pattern)} markers that the target has, "
             f"got {len(told.markers)}; the two halves are of different renders"
         )
-    frames = []
+    frames, pairs = [], any(band > 0 for _, band in exposures)
     for entry in dataset.entries:
-        truth = exposures.get((entry.index, 850))
+        truth = _last_of(exposures, entry.index)
         if truth is None:
+            exposure = f"{'850 nm ' if pairs else ''}exposure of frame {entry.index}"
             raise DatasetError(
-                f"{folder}/truth/exposures.jsonl: expected the 850 nm exposure of frame "
-                f"{entry.index}, found none; run the render again, it goes on where it stopped"
+                f"{folder}/truth/exposures.jsonl: expected the {exposure}, found none; "
+                "run the render again, it goes on where it stopped"
             )
         if len(truth.markers_px) != len(pattern):
             raise DatasetError(
@@ -159,7 +161,14 @@ def true_poses(dataset: Dataset) -> dict[int, ExposureTruth]:
     if not (dataset.folder / "truth" / "exposures.jsonl").is_file():
         return {}
     exposures = read_exposures(dataset.folder)
-    return {frame: truth for (frame, band), truth in exposures.items() if band == 850}
+    return {frame: truth for (frame, band), truth in exposures.items() if band in LAST_BANDS}
+
+
+def _last_of(exposures: dict[tuple[int, int], ExposureTruth], frame: int) -> ExposureTruth | None:
+    """Return the exposure to which a frame's estimate is stamped."""
+    return next(
+        (exposures[key] for band in LAST_BANDS if (key := (frame, band)) in exposures), None
+    )
 
 
 def judge_run(run: Run, dataset: TrueDataset) -> list[JudgedFrame]:

@@ -26,7 +26,7 @@ def test_any_detector_comes_back(tmp_path_factory: pytest.TempPathFactory, told:
 
 
 def test_every_number_has_a_range() -> None:
-    assert {field.name for field in fields(Detector)} == {*RANGES, "bits"}
+    assert {field.name for field in fields(Detector)} == {*RANGES, "bits", "mosaic"}
 
 
 @pytest.mark.parametrize(
@@ -53,4 +53,15 @@ def test_a_detector_that_cannot_be_is_refused(
     path = tmp_path / "detector.toml"
     path.write_text(text.replace(old, new))
     with pytest.raises(DatasetError, match=rf"detector\.toml: expected .*{said}"):
+        read_detector(path)
+
+
+def test_the_filters_of_a_colour_chip_are_told_and_those_of_no_other(tmp_path: Path) -> None:
+    path = tmp_path / "detector.toml"
+    for detector in (Detector(), Detector(mosaic="rggb")):
+        path.write_text(detector_to_toml(detector))
+        assert ("mosaic" in path.read_text()) == (detector.mosaic != "none")
+        assert read_detector(path) == detector
+    path.write_text(detector_to_toml(Detector(mosaic="rggb")).replace("rggb", "xtrans"))
+    with pytest.raises(DatasetError, match="expected mosaic as one of none, rggb"):
         read_detector(path)

@@ -10,6 +10,7 @@ from models.arrays import Floats
 from models.dataset.marker_file import markers_to_toml, read_markers
 from models.errors import DatasetError
 from models.markers import MarkerPattern
+from models.spacecraft.grasp_markers import GRASP_MARKERS
 from models.spacecraft.retroreflector_layout import RETROREFLECTORS
 
 
@@ -21,6 +22,15 @@ def test_markers_come_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(back.points_in_target, RETROREFLECTORS.points_in_target)
     np.testing.assert_array_equal(back.normals_in_target, RETROREFLECTORS.normals_in_target)
     assert markers_to_toml(back) == path.read_text()
+
+
+def test_white_dots_come_back_as_dots(tmp_path: Path) -> None:
+    path = tmp_path / "markers.toml"
+    path.write_text(markers_to_toml(GRASP_MARKERS))
+    assert read_markers(path).paint == GRASP_MARKERS.paint
+    path.write_text(path.read_text().replace('kind = "white_dot"', 'kind = "retroreflector"', 1))
+    with pytest.raises(DatasetError, match="expected marker of one kind"):
+        read_markers(path)
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,9 @@ def test_a_sun_that_is_not_three_finite_numbers_is_refused(text: str) -> None:
 
 @pytest.mark.parametrize("text", ["S8", "", "noon", "1;0;0"])
 def test_an_unknown_sun_is_told_which_there_are(text: str) -> None:
-    with pytest.raises(ScenarioError, match="S1, S2, S3, S4, S5, S6, S7 or a vector x,y,z"):
+    with pytest.raises(
+        ScenarioError, match="S1, S2, S3, S4, S5, S6, S7, E-SB, E-S1 to E-S36 or a vector x,y,z"
+    ):
         sun_direction(text)
 
 

@@ -11,8 +11,8 @@ from scipy.stats import chi2
 
 from models.arrays import Floats
 from models.pose import RigidTransform, pose_error
-from pipelines.chaser_fixed.motion_prediction import MotionPrediction, prior_covariance
 from pipelines.chaser_fixed.options import options_for
+from pipelines.pnp.motion_prediction import MotionPrediction, prior_covariance
 from tests.support.synthetic_pair import (
     PRIOR_SIGMA_DEG,
     PRIOR_SIGMA_M,

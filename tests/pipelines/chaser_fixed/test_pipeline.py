@@ -18,7 +18,6 @@ from models.estimate import Estimate, PoseEstimate
 from models.frame import Frame
 from models.markers import MarkerPattern
 from models.pose import RigidTransform, pose_error
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
 from pipelines.chaser_fixed.pipeline import (
     VARIANTS,
     ChaserFixed,
@@ -27,6 +26,7 @@ from pipelines.chaser_fixed.pipeline import (
 )
 from pipelines.detection.image_difference import swapped
 from pipelines.detection.image_pair import image_pair
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 from tests.support.synthetic_pair import (
     CAMERA_1024,
     CAMERA_2048,

@@ -140,7 +140,7 @@ def test_the_rows_sun_and_exposure_hold_unless_another_is_typed(tmp_path: Path) 
         (poses() | {"exposure": {"mode": "table"}}, "with a column exposure_ms"),
         ({"exposure": {"mode": "table"}}, "with a column exposure_ms"),
         ({"sun": {"default": "epoch"}}, "expected motion.epoch_utc"),
-        ({"motion": {"epoch_utc": "2026-03-20T12:00:00Z"}}, "expected [tumble]"),
+        (poses(epoch_utc="2026-03-20T12:00:00Z"), "expected [tumble] or an approach"),
         (tumble_table(sun={"default": "S2"}), 'such as "0.3,-0.5,1", or "epoch"'),
         (
             tumble_table(

@@ -15,6 +15,7 @@ from models.camera import Camera
 from models.lights.earth import Earth
 from models.pose import RigidTransform
 from models.spacecraft.part import Part, Spacecraft
+from models.spacecraft.stance import Stance
 from renders.scenario.scenario import Scenario
 from renders.tracing.silhouette import MARGIN_PX, in_sight, pieces_of, pixels_in_view, sees
 from renders.tracing.windows import window_around
@@ -127,7 +128,7 @@ def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -
     class Everything(World):
         """The same world, of which nothing is left out."""
 
-        def silhouette(self, cam_from_target: RigidTransform) -> None:
+        def silhouette(self, cam_from_target: RigidTransform, stance: Stance) -> None:
             return
 
     scenario = Scenario.model_validate(tumble_table())
@@ -140,7 +141,7 @@ def test_a_frame_is_the_same_to_the_bit_with_all_pixels_traced(tmp_path: Path) -
         exposure = world.exposures[1]
         pose = world.trajectory.cam_from_target(exposure.time_s)
         images.append(studio.trace(exposure, pose, world.groups(exposure)))
-        truths.append(studio.pixel_truth(pose))
+        truths.append(studio.pixel_truth(exposure, pose))
     few, every = images
     assert few.keys() == every.keys()
     for name, image in few.items():

@@ -4,18 +4,44 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.pose import RigidTransform, euler_321_from_rotation
-from pipelines.chaser_fixed.knowledge import FlightKnowledge
-from pipelines.chaser_fixed.options import ChaserFixedOptions
+from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.projection_jacobian import turn_from_euler_rates
 
+Prediction: TypeAlias = Literal["last_pose", "constant_velocity"]
+
 LONGEST_REACH = 20.0  # an extrapolation beyond this many of its baselines is held there
+
+
+class PredictionOptions(Protocol):
+    """What is read of a pipeline's settings; ``pipelines.chaser_fixed.options`` tells of each."""
+
+    @property
+    def prediction(self) -> Prediction:
+        """Guess of the next pose: the last one, or the last two carried on."""
+
+    @property
+    def acceleration_m_s2(self) -> float:
+        """1-sigma departure from constant velocity, in translation."""
+
+    @property
+    def acceleration_deg_s2(self) -> float:
+        """The same in rotation."""
+
+    @property
+    def velocity_m_s(self) -> float:
+        """1-sigma of the velocity while only one pose is known."""
+
+    @property
+    def velocity_deg_s(self) -> float:
+        """The same of the rate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +64,7 @@ def prior_covariance(knowledge: FlightKnowledge) -> Floats:
 class MotionPrediction:
     """Remembers the last two poses; before the first one, the prior."""
 
-    def __init__(self, knowledge: FlightKnowledge, options: ChaserFixedOptions) -> None:
+    def __init__(self, knowledge: FlightKnowledge, options: PredictionOptions) -> None:
         self._prior = knowledge.prior
         self._prior_covariance = prior_covariance(knowledge)
         self._options = options

@@ -1,4 +1,4 @@
-"""What the chaser-fixed pipeline must know before the first frame."""
+"""What a pipeline that tracks known markers must know before the first frame."""
 
 from __future__ import annotations
 
@@ -11,12 +11,10 @@ from models.onboard import OnboardKnowledge, needed
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 
-NAME = "chaser_fixed"
-
 
 @dataclass(frozen=True, eq=False)
 class FlightKnowledge:
-    """The parts of what is on board that this pipeline cannot do without.
+    """The parts of what is on board that such a pipeline cannot do without.
 
     Attributes
     ----------
@@ -41,19 +39,25 @@ class FlightKnowledge:
     prior_sigma_deg: Floats
 
     @classmethod
-    def of(cls, onboard: OnboardKnowledge) -> FlightKnowledge:
+    def of(cls, onboard: OnboardKnowledge, pipeline: str) -> FlightKnowledge:
         """Take the parts that are needed.
+
+        Parameters
+        ----------
+        onboard : OnboardKnowledge
+        pipeline : str
+            Who needs them, for the message.
 
         Raises
         ------
         DatasetError
             If the markers or the prior are not on board.
         """
-        prior = needed(onboard.prior, "prior.toml", NAME)
+        prior = needed(onboard.prior, "prior.toml", pipeline)
         return cls(
-            camera=needed(onboard.camera, "camera.toml", NAME),
-            detector=needed(onboard.detector, "detector.toml", NAME),
-            markers=needed(onboard.markers, "markers.toml", NAME),
+            camera=needed(onboard.camera, "camera.toml", pipeline),
+            detector=needed(onboard.detector, "detector.toml", pipeline),
+            markers=needed(onboard.markers, "markers.toml", pipeline),
             prior=prior.cam_from_target,
             prior_sigma_m=prior.sigma_m,
             prior_sigma_deg=prior.sigma_deg,

@@ -1,0 +1,1 @@
+"""What images of white dots add to the report."""

@@ -1,0 +1,1 @@
+"""The pipeline of the colour camera at an arm's end."""
