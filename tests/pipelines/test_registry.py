@@ -85,7 +85,13 @@ def test_ours_are_told_apart_by_every_setting() -> None:
 
 def test_others_are_brought_by_their_packages(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
-    assert pipeline_names() == ["chaser_fixed", "eye_in_hand", "uncooperative", "absolute", "silent"]
+    assert pipeline_names() == [
+        "chaser_fixed",
+        "eye_in_hand",
+        "uncooperative",
+        "absolute",
+        "silent",
+    ]
     pipeline = registered_pipeline("silent")
     assert not is_ours("silent")
     assert pipeline.labelled("default") == "silent"
