@@ -21,7 +21,7 @@ help:
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
 	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
 	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
-	@echo "make judges  hold exported datasets against readers that are not ours, in $(JUDGES)"
+	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
 	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS) and caches; what was rendered under out/ stays"

@@ -26,6 +26,8 @@ HOW_TO_GIVE = {
     "wireframe.json": "name a target that has a wireframe, or a wireframe.json",
     "knowledge.toml": "write how the camera is mounted, R_cam_from_lvlh (3 x 3) and "
     "t_cam_from_lvlh_m, and the 1-sigmas sigma_px, chaser_sigma_m and chaser_sigma_m_s",
+    "absolute.toml": "write regime (leo or geo), epoch, and position_m, velocity_m_s and "
+    "q_inertial_from_body_wxyz at time zero",
 }
 """What to write into a file that a pipeline lacks."""
 

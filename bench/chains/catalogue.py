@@ -19,6 +19,7 @@ OURS = {
     "dot_images": "bench.chains.dot_images",
     "tumble_images": "bench.chains.tumble_images",
     "posed_images": "bench.chains.posed_images",
+    "absolute_navigation": "bench.chains.absolute_navigation",
 }
 _REGISTERED: dict[str, Chain] = {}
 

@@ -33,7 +33,9 @@ class Suite:
 
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
-    what is left is told as it runs.
+    what is left is told as it runs. vinag2018 (parts leo, geo, model, lasting, mask, faults,
+    sampling, availability, dataset) takes a night of two cores, with --quick less than half an
+    hour.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]

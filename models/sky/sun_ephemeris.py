@@ -24,6 +24,7 @@ TERRESTRIAL_MINUS_UTC_S = 69.2  # since 2017; 1 s is 1e-5 deg of the Sun
 YEARS = (1950, 2050)
 SECONDS_A_DAY, DAYS_A_CENTURY = 86_400.0, 36_525.0
 OBLIQUITY_DEG = 23.4393  # of the ecliptic of 2000
+ASTRONOMICAL_UNIT_M = 149_597_870_700.0
 
 
 def epoch_of(text: str) -> datetime:
@@ -99,3 +100,19 @@ def sun_dir_in_inertial(epoch: datetime, time_s: float = 0.0) -> Floats:
     obliquity = np.deg2rad(OBLIQUITY_DEG)
     sine = np.sin(longitude)
     return np.array([np.cos(longitude), np.cos(obliquity) * sine, np.sin(obliquity) * sine])
+
+
+def sun_position_in_inertial(epoch: datetime, time_s: float = 0.0) -> Floats:
+    """Return the Sun's place from the Earth's centre, (3,), m, ICRS; its distance to 1e-4.
+
+    Parameters
+    ----------
+    epoch : datetime
+        With its time zone.
+    time_s : float, s
+        After it.
+    """
+    elapsed_s = (epoch - J2000).total_seconds() + time_s + TERRESTRIAL_MINUS_UTC_S
+    anomaly = np.deg2rad(357.528 + 0.9856003 * elapsed_s / SECONDS_A_DAY)
+    distance_au = 1.00014 - 0.01671 * np.cos(anomaly) - 0.00014 * np.cos(2.0 * anomaly)
+    return ASTRONOMICAL_UNIT_M * distance_au * sun_dir_in_inertial(epoch, time_s)

@@ -85,7 +85,13 @@ def test_ours_are_told_apart_by_every_setting() -> None:
 
 def test_others_are_brought_by_their_packages(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
-    assert pipeline_names() == ["chaser_fixed", "eye_in_hand", "uncooperative", "silent"]
+    assert pipeline_names() == [
+        "chaser_fixed",
+        "eye_in_hand",
+        "uncooperative",
+        "absolute",
+        "silent",
+    ]
     pipeline = registered_pipeline("silent")
     assert not is_ours("silent")
     assert pipeline.labelled("default") == "silent"
@@ -113,7 +119,7 @@ def _made_elsewhere():
 
 def test_a_name_of_ours_is_not_taken_over_and_odd_names_are_left(brought) -> None:
     brought(chaser_fixed=f"{__name__}:SILENT", Silent=f"{__name__}:SILENT", a__b="x:y")
-    assert pipeline_names() == ["chaser_fixed", "eye_in_hand", "uncooperative"]
+    assert pipeline_names() == ["chaser_fixed", "eye_in_hand", "uncooperative", "absolute"]
     assert registered_pipeline("chaser_fixed").make is not make_silent
 
 
@@ -121,7 +127,7 @@ def test_an_unknown_name_is_told_with_the_nearest(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
     with pytest.raises(
         ScenarioError,
-        match="eye_in_hand, uncooperative, silent, got 'silnet'; perhaps you meant silent",
+        match="uncooperative, absolute, silent, got 'silnet'; perhaps you meant silent",
     ):
         registered_pipeline("silnet")
 

@@ -1,0 +1,1 @@
+"""Absolute navigation held against a flight."""

@@ -1,0 +1,195 @@
+"""The page of the suite, of the house's parts: tables beside the paper's statements, figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from bench.report.numbers import number
+from bench.report.page import Page, write_page
+from bench.report.parts import Card, Figure, Section, TitledTable
+from bench.report.plot import svg_address
+from bench.suites.vinag2018 import figures, tables
+from bench.suites.vinag2018.cases import CASES, published
+from bench.suites.vinag2018.results import Flown, Outcomes, Results
+
+LEFT_OUT = (
+    "The first tenth of a flight is left out: the filter starts a kilometre, a metre per second "
+    "and a third of a degree off, with a clock that is 0.3 s wrong."
+)
+
+
+def write_suite_page(
+    path: Path, outcomes: Outcomes, results: Results, settings: dict[str, Any]
+) -> Path:
+    """Write ``suite.html``.
+
+    Parameters
+    ----------
+    path : Path
+    outcomes : Outcomes
+        For the figures.
+    results : Results
+    settings : dict
+        What was run.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    main = [own for part in CASES for own in results.flights.get(part, ())]
+    write_page(
+        path,
+        Page(
+            title="VINAG 2018, absolute navigation",
+            heading="VINAG 2018: absolute navigation",
+            lead="Orbit, attitude and clock from GNSS, gyroscopes and stars, LEO and GEO",
+            label="best",
+            cards=_cards(main),
+            headline_title="Beside the paper's statements",
+            headline=tables.stated_table(main),
+            before=[],
+            after=[*_flights(outcomes, results, main), *_others(outcomes, results)],
+            facts=[
+                *((f"settled: {name}", text) for name, text in published()["settled"].items()),
+                *((name, str(value)) for name, value in settings.items()),
+            ],
+            explained=True,
+        ),
+    )
+    return path
+
+
+def _cards(main: list[Flown]) -> list[Card]:
+    cards = []
+    for own in main:
+        if own.cell.variant == "best" and own.bound is not None:
+            cards += [
+                Card(number(own.flight.rms_m), "m", f"position error, {own.cell.case.name}",
+                     f"{number(own.flight.rms_m / own.bound.position_m)} times the bound"),
+                Card(number(own.flight.attitude_deg, 2), "deg",
+                     f"attitude error, {own.cell.case.name}", "three axes, rms"),
+            ]  # fmt: skip
+    return cards
+
+
+def _flights(outcomes: Outcomes, results: Results, main: list[Flown]) -> list[Section]:
+    sections = []
+    for part, case in CASES.items():
+        if part not in results.flights:
+            continue
+        cells = outcomes.plan.flights(part)
+        where, turned = figures.names_of(case)
+        sections.append(
+            Section(
+                f"{case.name}: {where} and {turned}",
+                text=LEFT_OUT,
+                figures=(
+                    Figure(
+                        svg_address(figures.position_figure(outcomes, cells)),
+                        f"{where}: position errors",
+                        f"{figures.SHOWN_RUNS} runs on inertial axes; grey: three sigmas of the "
+                        "posterior Cramér-Rao bound.",
+                    ),
+                    Figure(
+                        svg_address(figures.attitude_figure(outcomes, cells)),
+                        f"{turned}: attitude errors",
+                    ),
+                    Figure(
+                        svg_address(figures.consistency_figure(outcomes, cells)),
+                        "NEES over time",
+                    ),
+                ),
+            )
+        )
+    if main:
+        sections.append(
+            Section(
+                "Errors and bounds",
+                text="Root mean square over runs and time. The bound knows the variant's own model "
+                "and the sensors' true noise.",
+                tables=(
+                    TitledTable("Errors and bounds", tables.bound_table(main), wide=True),
+                    TitledTable("Consistency", tables.consistency_table(main), True, True),
+                ),
+                note="NEES over its degrees of freedom: 1 is honest. Inside: share of instants at "
+                "which the mean over the runs is where an honest filter's is 95 times in 100.",
+            )
+        )
+    return sections
+
+
+def _others(outcomes: Outcomes, results: Results) -> list[Section]:
+    sections = []
+    for part, title, text in (
+        ("model", "Truth drawn from the filter's own model",
+         "Here the bound is exact, and a filter that is right is honest."),
+        ("lasting", "Errors of ranges that last",
+         "Ephemeris and clock for two hours, the ionosphere for ten minutes, as large as Table 3 "
+         "has them. The bound estimates them; so does best. The paper variant takes them as new at "
+         "every epoch."),
+    ):  # fmt: skip
+        flown = results.flights.get(part, ())
+        if flown:
+            sections.append(
+                Section(
+                    title,
+                    text=text,
+                    tables=(
+                        TitledTable(title, tables.bound_table(flown), wide=True),
+                        TitledTable("Consistency", tables.consistency_table(flown), True, True),
+                    ),
+                )
+            )
+    if "mask" in results.flights:
+        masked = results.flights.get("geo", ())
+        table = tables.mask_table(masked, results.flights["mask"])
+        sections.append(
+            Section(
+                "GEO without the mask",
+                text="Signals that graze the ionosphere come tens of metres late.",
+                tables=(TitledTable("With and without the mask", table),),
+            )
+        )
+    if results.counted:
+        sections.append(
+            Section(
+                "Satellites: Figures 9 and 10",
+                text="The receive antenna's gain is not printed. In GEO it decides: the side lobes "
+                "of the transmitters are a plateau, which rises above the sensitivity between 6 "
+                "and 9 dBi.",
+                figures=(
+                    Figure(
+                        svg_address(figures.availability_figure(outcomes)),
+                        "Figures 9 and 10: satellites over time",
+                    ),
+                ),
+                tables=(TitledTable("Satellites", tables.availability_table(results.counted)),),
+            )
+        )
+    if results.faults:
+        sections.append(
+            Section(
+                "Faults",
+                text="LEO, best; each fault begins at 200 s.",
+                figures=(
+                    Figure(
+                        svg_address(
+                            figures.fault_figure(outcomes, outcomes.plan.flights("faults"))
+                        ),
+                        "Errors through faults",
+                    ),
+                ),
+                tables=(TitledTable("Faults", tables.fault_table(results.faults), wide=True),),
+            )
+        )
+    if results.sampled is not None:
+        sections.append(
+            Section(
+                "100 Hz, and gyroscope samples summed between star frames",
+                text="The same run, the same samples.",
+                tables=(TitledTable("Sampling", tables.sampling_table(results.sampled)),),
+            )
+        )
+    return sections

@@ -1,0 +1,130 @@
+"""``rvbench suite vinag2018``: plan, run what is missing, summarise, report."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from bench.report.numbers import NONE, number
+from bench.suites.code_fingerprint import code_fingerprint
+from bench.suites.request import SuiteFiles, SuiteRequest
+from bench.suites.spread import do_units
+from bench.suites.units import LIBRARIES
+from bench.suites.vinag2018.cases import CASES, LEO
+from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight_dataset import write_flight
+from bench.suites.vinag2018.page import write_suite_page
+from bench.suites.vinag2018.plan import DATASET_S, PARTS, QUICK, Plan, Sizes, options_text
+from bench.suites.vinag2018.results import Outcomes, Results
+from models.atomic_file import write_text
+from models.errors import ScenarioError
+from pipelines.absolute.options import REGIMES, VARIANTS
+
+FORMAT, VERSION = "rvbench-suite", 1
+DATASET = "flight-leo"
+
+
+def plan_of(request: SuiteRequest) -> Plan:
+    """Return what a request asks for.
+
+    Raises
+    ------
+    ScenarioError
+        If a part or a size is none, or is one of another suite.
+    """
+    for name in ("acquisitions", "paper_runs"):
+        if getattr(request, name) is not None:
+            option = f"--{name.replace('_', '-')}"
+            raise ScenarioError(
+                f"expected no {option} with vinag2018, which has --runs, --seeds and "
+                f"--duration-s, got {getattr(request, name)}"
+            )
+    asked = {
+        name: value
+        for name in ("runs", "seeds", "duration_s")
+        if (value := getattr(request, name)) is not None
+    }
+    sizes = replace(QUICK if request.quick else Sizes(), seed=request.seed, **asked)
+    return Plan(sizes, request.parts or PARTS)
+
+
+def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
+    """Do what is missing and write ``suite.json``, ``suite.html`` and a flight as a dataset.
+
+    Raises
+    ------
+    ScenarioError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    return run_plan(plan_of(request), request.out, request.workers, console)
+
+
+def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFiles:
+    """Do what is missing of a plan and write its results; see ``run_suite``.
+
+    Parameters
+    ----------
+    plan : Plan
+    out : Path
+        Folder of the results.
+    workers : int
+        Processes.
+    console : Console
+        For progress.
+    """
+    folder = out / "units"
+    do_units(plan.units(), folder, workers, console)
+    if "dataset" in plan.parts and not (out / DATASET / "dataset.json").is_file():
+        write_flight(out / DATASET, Flight(LEO, DATASET_S), plan.sizes.seed)
+    outcomes = Outcomes(plan, folder)
+    results = outcomes.results()
+    settings = _settings(plan)
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "suite": "vinag2018",
+        "settings": settings,
+        "parts": asdict(results),
+    }
+    score = out / "suite.json"
+    write_text(score, json.dumps(document, indent=1) + "\n")
+    page = write_suite_page(out / "suite.html", outcomes, results, settings)
+    return SuiteFiles(score, page, _summary(results))
+
+
+def _settings(plan: Plan) -> dict[str, Any]:
+    return {
+        **asdict(plan.sizes),
+        "parts": list(plan.parts),
+        **{
+            f"options of {variant}, {regime}": options_text(variant, regime, False)
+            for variant in VARIANTS
+            for regime in REGIMES
+        },
+        "code": code_fingerprint("bench.suites.vinag2018.navigation_run"),
+        "libraries": {name: version(name) for name in LIBRARIES},
+    }
+
+
+def _summary(results: Results) -> list[list[str]]:
+    """Return a line for each flown cell: its errors, over its bound, and how honest it is."""
+    rows = [["", "radial, along, normal, m", "over bound", "NEES", "attitude, deg"]]
+    for part, flown in results.flights.items():
+        for own in flown:
+            over = NONE if own.bound is None else number(own.flight.rms_m / own.bound.position_m)
+            named = part if part in CASES else f"{part}, {own.cell.case.key}"
+            rows.append(
+                [
+                    f"{named}, {own.cell.variant}",
+                    ", ".join(number(each) for each in own.flight.rms_along_m),
+                    over,
+                    number(own.flight.orbit.mean),
+                    number(own.flight.attitude_deg, 2),
+                ]
+            )
+    return rows

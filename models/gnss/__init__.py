@@ -1,0 +1,1 @@
+"""Navigation satellites, their signals, and a receiver's noise."""

@@ -1,0 +1,1 @@
+"""The Earth's gravity, and what else pulls and pushes a satellite."""

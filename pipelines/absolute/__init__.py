@@ -1,0 +1,1 @@
+"""Absolute navigation: orbit, attitude, clock and biases from GNSS, gyroscopes and stars."""
