@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bench.report.plot import COLOURS, FAINT, INK, drawn_svg
-from bench.suites.pesce2019.summaries import CONFIDENCE, consistency
+from bench.suites.consistency import CONFIDENCE, consistency
 from bench.suites.vinag2018.cases import GEO, LEO, Case
 from bench.suites.vinag2018.plan import Cell
 from bench.suites.vinag2018.results import Outcomes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.suites.pesce2019.summaries import Consistency, consistency
+from bench.suites.consistency import Consistency, consistency
 from bench.suites.units import Outcome
 from models.arrays import Floats
 

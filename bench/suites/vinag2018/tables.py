@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from bench.report.numbers import NONE, number, share
 from bench.report.table import TITLES, Table
-from bench.suites.pesce2019.summaries import Consistency
+from bench.suites.consistency import Consistency
 from bench.suites.vinag2018.cases import published
 from bench.suites.vinag2018.results import Counted, FaultOutcome, Flown, Sampled
 
