@@ -56,6 +56,9 @@ class RegisteredPipeline:
     label : callable, optional
         ``label(variant)``: what its estimates and its column in a score are called. Unless given,
         the name, and the variant where there are several.
+    in_colour : bool
+        Whether it is for images behind colour filters: among anybody's frames it takes part where
+        their detector has such, the others where it has none.
     """
 
     name: str
@@ -64,6 +67,7 @@ class RegisteredPipeline:
     variants: tuple[str, ...] = ("default",)
     settings: Callable[[str], str] | None = None
     label: Callable[[str], str] | None = None
+    in_colour: bool = False
 
     def labelled(self, variant: str) -> str:
         """Return what a variant's estimates are called."""

@@ -23,6 +23,7 @@ from bench.estimating.foreign_images import images_by_stream, read_foreign_image
 from bench.estimating.foreign_knowledge import GivenFiles, beside, foreign_knowledge
 from bench.estimating.runner import estimate_run
 from models.camera import Camera
+from models.dataset.detector_file import PLAIN, read_detector
 from models.dataset.frame_table import FILE_NAME, FrameEntry, read_frame_entries
 from models.dataset.sensor_table import read_table
 from models.dataset.version1 import PAIR_GAP_S
@@ -88,7 +89,8 @@ def estimate_frames(
     check_estimates_place(out, folder)
     has_jpegs = check_headers(found, camera)
     tables = tables_beside(folder, [each.entry for each in found], given.navigation)
-    chosen = _taking_part([*found[0].paths, *tables], pipelines)
+    in_colour = given.detector is not None and read_detector(given.detector).mosaic != PLAIN
+    chosen = _taking_part([*found[0].paths, *tables], pipelines, in_colour)
     knowledge = foreign_knowledge(folder, list(found[0].paths.values())[-1], camera, given)
     if has_jpegs:
         print(
@@ -100,12 +102,14 @@ def estimate_frames(
     return estimate_run(out, 0, frames, knowledge, chosen, len(found), limit_s)
 
 
-def _taking_part(streams: list[str], asked: Sequence[str]) -> list[Contender]:
-    chosen, remarks = contenders(streams, tuple(OURS), asked)
+def _taking_part(streams: list[str], asked: Sequence[str], in_colour: bool) -> list[Contender]:
+    suited = {name for name in OURS if registered_pipeline(name).in_colour == in_colour}
+    own = [name for name in OURS if name in suited or name in asked]
+    chosen, remarks = contenders(streams, own, asked)
     tell_of(remarks)
     if not chosen:
         lacking = {
-            name: sorted(set(registered_pipeline(name).streams) - set(streams)) for name in OURS
+            name: sorted(set(registered_pipeline(name).streams) - set(streams)) for name in own
         }
         told = "; ".join(f"{name} lacks {', '.join(lacks)}" for name, lacks in lacking.items())
         raise ScenarioError(

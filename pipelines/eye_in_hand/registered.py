@@ -36,4 +36,5 @@ PIPELINE = RegisteredPipeline(
     variants=VARIANTS,
     settings=lambda variant: repr(options_for(variant)),
     label=str,
+    in_colour=True,
 )

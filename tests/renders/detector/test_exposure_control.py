@@ -119,7 +119,7 @@ def test_a_run_cut_anywhere_ends_as_if_never_cut(
     metered: TinyDataset, monkeypatch: pytest.MonkeyPatch, struck: int
 ) -> None:
     """Interrupted at its second or fifth exposure; the next run reads the image before."""
-    from renders.batches import render_case as batch
+    from renders.batches import case_rendering as batch
 
     before = metered.files()
     shutil.rmtree(metered.folder)

@@ -102,7 +102,7 @@ def test_the_resolved_scenario_needs_no_file_and_its_fingerprint_knows_the_conte
             | {"lamps": {"count": 4}},
             "lamps.count to be left out with single images",
         ),
-        (poses() | {"frame": {"kind": "triple"}}, "frame.kind as one of 'pairs' or 'single'"),
+        (poses() | {"frame": {"kind": "triple"}}, "frame.kind as one of 'pairs'"),
         (poses() | {"frame": {}}, "expected the key frame.kind"),
     ],
 )  # fmt: skip
@@ -221,7 +221,7 @@ def test_markers_of_which_no_pose_follows_are_refused(
 
 def test_a_marker_file_knows_the_kinds_there_are(tmp_path: Path) -> None:
     (tmp_path / "markers.toml").write_text(tomli_w.dumps(marker(kind="lamp")))
-    with pytest.raises(ScenarioError, match=r"marker\.0\.kind as retroreflector"):
+    with pytest.raises(ScenarioError, match=r"marker\.0\.kind as one of retroreflector, white_dot"):
         read_scenario(written(tmp_path, {"markers": "markers.toml"}))
 
 

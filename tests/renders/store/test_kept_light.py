@@ -15,7 +15,7 @@ from bench.cli import main
 from models.arrays import Radiance
 from models.errors import DatasetError, ScenarioError
 from models.pose import RigidTransform
-from renders.batches import render_case as batch
+from renders.batches import case_rendering as batch
 from renders.batches.replay import exposed_frames
 from renders.batches.studio import Studio
 from renders.store.budget import GB, stored
@@ -57,7 +57,11 @@ def traced_before(
     asked: list[tuple[int, int]] = []
 
     def trace(
-        studio: Studio, exposure: Exposure, pose: RigidTransform, groups: list[LightGroup]
+        studio: Studio,
+        exposure: Exposure,
+        pose: RigidTransform,
+        groups: list[LightGroup],
+        limits: object = None,
     ) -> dict[str, Radiance]:
         asked.append((exposure.frame, exposure.band))
         keys = {group.name: studio.keys.group(exposure, pose, group) for group in groups}
@@ -67,7 +71,7 @@ def traced_before(
     truths = read_exposures(rendered_once.folder)
     geometry = rendered_once.folder / "truth" / "geometry"
 
-    def pixel_truth(studio: Studio, pose: RigidTransform) -> PixelTruth:
+    def pixel_truth(_: Studio, exposure: Exposure, pose: RigidTransform) -> PixelTruth:
         (name,) = (
             f"{frame:06d}_{band}"
             for (frame, band), truth in truths.items()
