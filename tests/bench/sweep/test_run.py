@@ -31,7 +31,7 @@ def _variant() -> None:
     needs_jit()
 
 
-SEVEN_DIGITS_MM = 5e-8  # of a score; what the prior's detour makes of a pose is less
+FIT_STOPS_MM = 5e-8  # a prior that is another by its detour's rounding ends a fit elsewhere
 PRIOR_AS_ANGLES = 1e-12  # a dataset's prior went through a file, as three angles
 
 Traced = Callable[[], list[list[str]]]
@@ -217,7 +217,7 @@ def test_it_says_what_a_run_of_the_same_moment_and_sun_says(
     scored = api.score(out)["pipelines"]["best"]["per_frame"][0]
     row = next(r for r in result.rows if r.sun == "90/30" and r.pipeline == "best")
     assert [row.error_x_mm, row.error_y_mm, row.error_z_mm] == pytest.approx(
-        scored["position_mm"], rel=1e-6, abs=SEVEN_DIGITS_MM
+        scored["position_mm"], rel=1e-6, abs=FIT_STOPS_MM
     )
     assert (row.expected, row.range_m) == (scored["expected"], pytest.approx(scored["range_m"]))
 
