@@ -5,13 +5,12 @@ The symbols are those of Opromolla et al. 2022, Table 11, whose values are the d
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
-
-import numpy as np
 
 from models.errors import ScenarioError
 from pipelines.detection.detection_options import PerimeterRule, ThresholdRule
+from pipelines.option_checks import check_sizes, variant_among
 from pipelines.pnp.motion_prediction import Prediction
 from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
@@ -116,13 +115,7 @@ class ChaserFixedOptions:
     max_residual_radii: float = 1.0
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, float) and not (np.isfinite(value) and value >= 0.0):
-                raise ScenarioError(
-                    f"chaser-fixed options: expected {each.name} finite and not below zero, "
-                    f"got {value}"
-                )
+        check_sizes(self, "chaser-fixed options")
         if not 0.0 < self.tau_bin < 1.0:
             raise ScenarioError(
                 f"chaser-fixed options: expected tau_bin between 0 and 1, got {self.tau_bin}"
@@ -164,9 +157,4 @@ def options_for(variant: str) -> ChaserFixedOptions:
     ScenarioError
         If no variant has that name; the message lists those there are.
     """
-    known = {"paper": PAPER, "best": BEST}
-    if variant not in known:
-        raise ScenarioError(
-            f"expected a pipeline variant among {', '.join(VARIANTS)}, got {variant!r}"
-        )
-    return known[variant]
+    return variant_among({"paper": PAPER, "best": BEST}, variant)

@@ -5,12 +5,11 @@ The symbols are those of Opromolla et al. 2022, Table 11, whose values are the d
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
-
-import numpy as np
+from dataclasses import dataclass, field
 
 from models.errors import ScenarioError
 from pipelines.detection.detection_options import PerimeterRule
+from pipelines.option_checks import check_sizes, variant_among
 from pipelines.pnp.motion_prediction import Prediction
 from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
@@ -105,13 +104,7 @@ class EyeInHandOptions:
     velocity_deg_s: float = 0.5
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, float) and not (np.isfinite(value) and value >= 0.0):
-                raise ScenarioError(
-                    f"eye-in-hand options: expected {each.name} finite and not below zero, "
-                    f"got {value}"
-                )
+        check_sizes(self, "eye-in-hand options")
         if not self.tau_s <= 1.0:
             raise ScenarioError(
                 f"eye-in-hand options: expected tau_s from 0 to 1, got {self.tau_s}"
@@ -153,9 +146,4 @@ def options_for(variant: str) -> EyeInHandOptions:
     ScenarioError
         If no variant has that name; the message lists those there are.
     """
-    known = {"paper": PAPER, "best": BEST}
-    if variant not in known:
-        raise ScenarioError(
-            f"expected a pipeline variant among {', '.join(VARIANTS)}, got {variant!r}"
-        )
-    return known[variant]
+    return variant_among({"paper": PAPER, "best": BEST}, variant)

@@ -7,12 +7,11 @@ leave out; from no truth.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-import numpy as np
-
 from models.errors import ScenarioError
+from pipelines.option_checks import check_sizes, variant_among
 
 TranslationFilter: TypeAlias = Literal["h_infinity", "kalman"]
 RotationFilter: TypeAlias = Literal["minimum_energy", "mekf"]
@@ -79,16 +78,7 @@ class NavigationOptions:
     start_sigma_deg_s: float = 1.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not isinstance(value, float):
-                continue
-            signed = field.name == "forgetting_per_s"
-            if not (np.isfinite(value) and (signed or value >= 0.0)):
-                raise ScenarioError(
-                    f"navigation options: expected {field.name} finite and not below zero, "
-                    f"got {value}"
-                )
+        check_sizes(self, "navigation options", signed=("forgetting_per_s",))
         if not self.theta_share < 1.0:
             raise ScenarioError(
                 f"navigation options: expected theta_share in [0, 1), got {self.theta_share}: at "
@@ -114,9 +104,4 @@ def navigation_options_for(variant: str) -> NavigationOptions:
     ScenarioError
         If no variant has that name; the message lists those there are.
     """
-    known = {"paper": PAPER, "best": BEST}
-    if variant not in known:
-        raise ScenarioError(
-            f"expected a navigation variant among {', '.join(VARIANTS)}, got {variant!r}"
-        )
-    return known[variant]
+    return variant_among({"paper": PAPER, "best": BEST}, variant, "navigation")

@@ -11,6 +11,7 @@ from pipelines.acquisition.acquisition_options import (
     TripleSearchOptions,
 )
 from pipelines.filters.navigation_options import NavigationOptions, navigation_options_for
+from pipelines.option_checks import variant_among
 from pipelines.tracking.softposit import SoftPositOptions
 
 AcquisitionMethod: TypeAlias = Literal["hypothesize_and_test", "triple_search"]
@@ -109,9 +110,4 @@ def options_for(variant: str) -> UncooperativeOptions:
     ScenarioError
         If no variant has that name; the message lists those there are.
     """
-    known = {"paper": PAPER, "best": BEST}
-    if variant not in known:
-        raise ScenarioError(
-            f"expected a pipeline variant among {', '.join(VARIANTS)}, got {variant!r}"
-        )
-    return known[variant]
+    return variant_among({"paper": PAPER, "best": BEST}, variant)
