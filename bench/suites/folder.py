@@ -17,7 +17,7 @@ from models.atomic_file import write_text
 from models.errors import DatasetError
 from models.output_folder import check_empty, check_place
 
-FORMAT = "rvbench-suite"
+FORMAT, VERSION = "rvbench-suite", 1
 
 
 def begin(out: Path, suite: str) -> None:
@@ -57,3 +57,22 @@ def _named(path: Path) -> str | None:
         return str(table["suite"]) if table["format"] == FORMAT else None
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
+
+
+def write_document(out: Path, suite: str, settings: dict[str, Any], **found: Any) -> Path:
+    """Write ``suite.json`` and return where it is.
+
+    Parameters
+    ----------
+    out : Path
+        The suite's folder.
+    suite : str
+        Its name.
+    settings : dict
+        What shaped it.
+    **found
+        What came of it, ready for JSON.
+    """
+    head = {"format": FORMAT, "version": VERSION, "suite": suite, "settings": settings}
+    write_text(out / "suite.json", json.dumps({**head, **found}, indent=1) + "\n")
+    return out / "suite.json"

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from models.errors import ScenarioError
+
+SIZES = ("runs", "acquisitions", "seeds", "duration_s", "paper_runs")
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,32 @@ class SuiteRequest:
     paper_runs: int | None = None
     duration_s: float | None = None
     seed: int = 0
+
+    def sizes(self, *own: str) -> dict[str, Any]:
+        """Return the sizes that were typed.
+
+        Parameters
+        ----------
+        *own : str
+            Those that the suite has.
+
+        Raises
+        ------
+        ScenarioError
+            If one is of another suite.
+        """
+        typed = {name: each for name in SIZES if (each := getattr(self, name)) is not None}
+        for name, value in typed.items():
+            if name not in own:
+                there = ", ".join(map(_option, own))
+                raise ScenarioError(
+                    f"expected no {_option(name)} with {self.name}, which has {there}; got {value}"
+                )
+        return typed
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
 @dataclass(frozen=True)

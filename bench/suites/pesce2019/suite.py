@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from dataclasses import asdict, replace
 from importlib.metadata import version
@@ -13,17 +12,16 @@ from rich.console import Console
 
 from bench.report.numbers import number
 from bench.suites.code_fingerprint import code_fingerprint
+from bench.suites.folder import write_document
 from bench.suites.pesce2019.comparison import Compared, compared
 from bench.suites.pesce2019.navigators import options_text
 from bench.suites.pesce2019.plan import CAMERA, PARTS, QUICK, RATE_HZ, VARIANTS, Plan, Sizes
-from bench.suites.pesce2019.results import Outcomes, Results
+from bench.suites.pesce2019.results import Outcomes
 from bench.suites.pesce2019.suite_page import write_suite_page
-from bench.suites.request import SuiteFiles, SuiteRequest
+from bench.suites.request import SIZES, SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import LIBRARIES
-from models.atomic_file import write_text
 
-FORMAT, VERSION = "rvbench-suite", 1
 NEVER_THE_SAME = ("seconds", "frame_ms")
 
 
@@ -35,12 +33,7 @@ def plan_of(request: SuiteRequest) -> Plan:
     ScenarioError
         If a part or a size is none.
     """
-    own = QUICK if request.quick else Sizes()
-    asked = {
-        name: value
-        for name in ("runs", "acquisitions", "seeds", "duration_s", "paper_runs")
-        if (value := getattr(request, name)) is not None
-    }
+    own, asked = QUICK if request.quick else Sizes(), request.sizes(*SIZES)
     return Plan(replace(own, seed=request.seed, **asked), request.parts or PARTS)
 
 
@@ -73,8 +66,8 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
     cells = compared(results)
-    score = out / "suite.json"
-    write_text(score, json.dumps(_document(plan, results, cells), indent=1) + "\n")
+    found = {"cells": [asdict(cell) for cell in cells], "parts": asdict(results)}
+    score = write_document(out, "pesce2019", _settings(plan), **found)
     page = write_suite_page(out / "suite.html", outcomes, results, cells, _settings(plan))
     return SuiteFiles(score, page, _summary(cells))
 
@@ -90,17 +83,6 @@ def without_times(document: Any) -> Any:
     if isinstance(document, list):
         return [without_times(value) for value in document]
     return document
-
-
-def _document(plan: Plan, results: Results, cells: list[Compared]) -> dict[str, Any]:
-    return {
-        "format": FORMAT,
-        "version": VERSION,
-        "suite": "pesce2019",
-        "settings": _settings(plan),
-        "cells": [asdict(cell) for cell in cells],
-        "parts": asdict(results),
-    }
 
 
 def _settings(plan: Plan) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -12,6 +11,7 @@ from rich.console import Console
 
 from bench.report.numbers import NONE, number
 from bench.suites.code_fingerprint import code_fingerprint
+from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import LIBRARIES
@@ -21,11 +21,8 @@ from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.vinag2018.page import write_suite_page
 from bench.suites.vinag2018.plan import DATASET_S, PARTS, QUICK, Plan, Sizes, options_text
 from bench.suites.vinag2018.results import Outcomes, Results
-from models.atomic_file import write_text
-from models.errors import ScenarioError
 from pipelines.absolute.options import REGIMES, VARIANTS
 
-FORMAT, VERSION = "rvbench-suite", 1
 DATASET = "flight-leo"
 
 
@@ -37,18 +34,7 @@ def plan_of(request: SuiteRequest) -> Plan:
     ScenarioError
         If a part or a size is none, or is one of another suite.
     """
-    for name in ("acquisitions", "paper_runs"):
-        if getattr(request, name) is not None:
-            option = f"--{name.replace('_', '-')}"
-            raise ScenarioError(
-                f"expected no {option} with vinag2018, which has --runs, --seeds and "
-                f"--duration-s, got {getattr(request, name)}"
-            )
-    asked = {
-        name: value
-        for name in ("runs", "seeds", "duration_s")
-        if (value := getattr(request, name)) is not None
-    }
+    asked = request.sizes("runs", "seeds", "duration_s")
     sizes = replace(QUICK if request.quick else Sizes(), seed=request.seed, **asked)
     return Plan(sizes, request.parts or PARTS)
 
@@ -84,15 +70,7 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
     settings = _settings(plan)
-    document = {
-        "format": FORMAT,
-        "version": VERSION,
-        "suite": "vinag2018",
-        "settings": settings,
-        "parts": asdict(results),
-    }
-    score = out / "suite.json"
-    write_text(score, json.dumps(document, indent=1) + "\n")
+    score = write_document(out, "vinag2018", settings, parts=asdict(results))
     page = write_suite_page(out / "suite.html", outcomes, results, settings)
     return SuiteFiles(score, page, _summary(results))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -12,6 +11,7 @@ from rich.console import Console
 
 from bench.report.numbers import count, number
 from bench.suites.code_fingerprint import code_fingerprint
+from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import LIBRARIES
@@ -20,11 +20,7 @@ from bench.suites.volpe2017.plan import PARTS, QUICK, Plan, Sizes
 from bench.suites.volpe2017.results import Outcomes, Results, StudiedCase
 from bench.suites.volpe2017.suite_page import write_suite_page
 from bench.suites.volpe2017.suite_tables import small
-from models.atomic_file import write_text
-from models.errors import ScenarioError
 from pipelines.unknown_target.options import VARIANTS, options_for
-
-FORMAT, VERSION = "rvbench-suite", 1
 
 
 def plan_of(request: SuiteRequest) -> Plan:
@@ -33,18 +29,10 @@ def plan_of(request: SuiteRequest) -> Plan:
     Raises
     ------
     ScenarioError
-        If a part or a size is none.
+        If a part or a size is none, or is one of another suite.
     """
-    if request.acquisitions is not None:
-        raise ScenarioError(
-            "expected no --acquisitions, the suite volpe2017 has none; leave it out"
-        )
     own = QUICK if request.quick else Sizes()
-    asked = {
-        name: value
-        for name in ("runs", "seeds", "duration_s", "paper_runs")
-        if (value := getattr(request, name)) is not None
-    }
+    asked = request.sizes("runs", "seeds", "duration_s", "paper_runs")
     return Plan(replace(own, seed=request.seed, **asked), request.parts or PARTS)
 
 
@@ -76,15 +64,7 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     do_units(plan.units(), folder, workers, console)
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
-    score = out / "suite.json"
-    document = {
-        "format": FORMAT,
-        "version": VERSION,
-        "suite": "volpe2017",
-        "settings": _settings(plan),
-        "parts": asdict(results),
-    }
-    write_text(score, json.dumps(document, indent=1) + "\n")
+    score = write_document(out, "volpe2017", _settings(plan), parts=asdict(results))
     facts = [(key, _told(value)) for key, value in _settings(plan).items()]
     page = write_suite_page(out / "suite.html", outcomes, results, facts)
     return SuiteFiles(score, page, _summary(results))
