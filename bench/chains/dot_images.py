@@ -1,39 +1,24 @@
-"""Single colour images of white dots on black, for the camera at an arm's end."""
+"""Single colour images of white dots on black, for the camera at an arm's end.
+
+Judged as image pairs are, markers and all, with the second pose that fits told beside.
+"""
 
 from __future__ import annotations
 
-from bench.chains.chain import Chain, ScorePart
-from bench.pictures.stretch import STRETCH
+from dataclasses import replace
+
+from bench.chains.chain import ScorePart
+from bench.chains.retroreflector_pairs import CHAIN as PAIRS
 from models.loading import lazily
 
-CHAIN = Chain(
+*MARKER_PARTS, ASKED = PAIRS.parts
+CHAIN = replace(
+    PAIRS,
     name="dot_images",
     title="colour images",
     pipelines=("eye_in_hand",),
-    truths=lazily("bench.scoring.pairs.judged_pairs:true_poses"),
-    truth=lazily("bench.scoring.pairs.judged_pairs:read_true_dataset"),
-    judge=lazily("bench.scoring.pairs.judged_pairs:judge_run"),
-    judge_alone=lazily("bench.scoring.pairs.judged_pairs:judge_alone"),
-    parts=(
-        ScorePart("axes", lazily("bench.scoring.pairs.parts:axes")),
-        ScorePart("centroids", lazily("bench.scoring.pairs.parts:centroid_score")),
-        ScorePart("detection", lazily("bench.scoring.pairs.parts:detection")),
-        ScorePart("paper_statistics", lazily("bench.scoring.pairs.parts:statistics")),
-        ScorePart("efficiency", lazily("bench.scoring.pairs.parts:efficiencies")),
-        ScorePart("nees", lazily("bench.scoring.pairs.parts:nees")),
-        ScorePart("per_range", lazily("bench.scoring.pairs.parts:per_range")),
-        ScorePart("rivals", lazily("bench.scoring.dots.rivals:rivals")),
-        ScorePart("asked", lazily("bench.scoring.pairs.parts:asked")),
-    ),
-    frame_rows=lazily("bench.scoring.pairs.parts:frame_rows"),
+    parts=(*MARKER_PARTS, ScorePart("rivals", lazily("bench.scoring.dots.rivals:rivals")), ASKED),
     report=lazily("bench.report.dots.page:report"),
-    headline=lazily("bench.report.pairs.tables:headline_table"),
     picture=lazily("bench.pictures.dot_picture:overlay"),
     show=lazily("bench.pictures.dot_picture:draw"),
-    verdict=lazily("bench.pictures.marker_overlay:verdict"),
-    legend=(
-        "red circle: detected (small and dim: matched to no marker); green diamond: reprojected; "
-        "cyan ticks: truth"
-    ),
-    greys=STRETCH,
 )

@@ -30,13 +30,13 @@ from renders.scenario.sky_tables import StarsTable
 from renders.scenario.sun_choice import EPOCH, epoch_in
 from renders.scenario.surface_tables import with_surfaces
 from renders.scenario.tumble_tables import TumbleTable
-from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses
+from renders.truth.makers import OfLandmarks, OfMarkers, OfPoses, TruthMaker
 from renders.world.arm_aboard import ArmAboard, CarriedCamera, Moved
 from renders.world.arm_clear import clear_of_everything
 from renders.world.arm_planned import arm_aboard
 from renders.world.arm_told import FirstPoseByArm, JointReadings, ToldArm
 from renders.world.bodies import Bodies
-from renders.world.cameras import colour_camera, pair_camera, single_camera
+from renders.world.cameras import ImagingSensor, colour_camera, pair_camera, single_camera
 from renders.world.checks import (
     Check,
     Sunlit,
@@ -76,38 +76,49 @@ def world_of(scenario: Scenario) -> World:
 def _pairs(scenario: Scenario) -> World:
     """Image pairs of a target with markers, under a sky that stands still over it."""
     moving = _moving(scenario)
-    bodies, sensor = _bodies(scenario, moving, has_chaser=True), pair_camera(scenario)
-    return World(
-        scenario=scenario,
-        chain=PAIRS,
-        bodies=bodies,
-        trajectory=moving.trajectory,
-        sky=_sky(scenario, moving.sky, moving.table),
-        sensor=sensor,
-        plan=_plan(scenario, FillOfMarkers(scenario, moving.plan, bodies.optics), 1.0, moving),
-        before_flight=BeforeFlight(
-            camera=sensor.camera,
-            calibration=scenario.calibration,
-            detector=scenario.simulated_detector,
-            marked=bodies,
-            first_pose=_first_pose(scenario, moving),
-            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
-            told=scenario.told,
-            arm=moving.told_arm,
-        ),
-        truth=OfMarkers(),
-        checks=(outside_the_target, shown_in_some_image, exposed_before_the_next, *moving.checks),
-        tables=moving.tables,
-        arm=moving.arm,
-    )
+    bodies = _bodies(scenario, moving, has_chaser=True)
+    world = _posed(scenario, moving, bodies, pair_camera(scenario), OfMarkers(), 1.0)
+    known = replace(world.before_flight, marked=bodies, first_pose=_first_pose(scenario, moving))
+    checks = (outside_the_target, shown_in_some_image, exposed_before_the_next, *moving.checks)
+    return replace(world, chain=PAIRS, before_flight=known, checks=checks)
 
 
 def _singles(scenario: Scenario) -> World:
     """Single images of a target, as it is met; nothing is known on board of where it is."""
-    moving = _moving(scenario)
-    bodies, sensor = _bodies(scenario, moving), single_camera(scenario)
-    wireframe = wireframe_if_any(scenario)
-    share = scenario.pixel_scale**2
+    moving, wireframe = _moving(scenario), wireframe_if_any(scenario)
+    bodies, share = _bodies(scenario, moving), scenario.pixel_scale**2
+    truth = OfPoses(wireframe)
+    world = _posed(scenario, moving, bodies, single_camera(scenario), truth, share)
+    return replace(world, before_flight=replace(world.before_flight, wireframe=wireframe))
+
+
+def _in_colour(scenario: Scenario) -> World:
+    """Single images in colour of white dots, from a first pose; a chaser with an arm is there."""
+    moving, share = _moving(scenario), scenario.pixel_scale**2
+    bodies = Bodies(
+        make_target=partial(_dotted_in_colour, scenario),
+        optics=RetroreflectorOptics(returned=BLACK),
+        make_chaser=None if moving.arm is None else partial(_chaser_in_colour, moving.arm),
+    )
+    world = _posed(scenario, moving, bodies, colour_camera(scenario), OfMarkers(), share)
+    known = replace(
+        world.before_flight,
+        marked=bodies,
+        first_pose=_first_pose(scenario, moving),
+        wireframe=wireframe_if_any(scenario),
+    )
+    return replace(world, chain=DOTS, before_flight=known)
+
+
+def _posed(
+    scenario: Scenario,
+    moving: Moving,
+    bodies: Bodies,
+    sensor: ImagingSensor,
+    truth: TruthMaker,
+    share: float,
+) -> World:
+    """Return posed images; ``share`` is what of a typed exposure time is meant."""
     return World(
         scenario=scenario,
         chain=POSED,
@@ -120,47 +131,11 @@ def _singles(scenario: Scenario) -> World:
             camera=sensor.camera,
             calibration=scenario.calibration,
             detector=scenario.simulated_detector,
-            wireframe=wireframe,
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
             arm=moving.told_arm,
         ),
-        truth=OfPoses(wireframe),
-        checks=(outside_the_target, shown_in_some_image, *moving.checks),
-        tables=moving.tables,
-        arm=moving.arm,
-    )
-
-
-def _in_colour(scenario: Scenario) -> World:
-    """Single images in colour of white dots, from a first pose; a chaser with an arm is there."""
-    moving, sensor = _moving(scenario), colour_camera(scenario)
-    bodies = Bodies(
-        make_target=partial(_dotted_in_colour, scenario),
-        optics=RetroreflectorOptics(returned=BLACK),
-        make_chaser=None if moving.arm is None else partial(_chaser_in_colour, moving.arm),
-    )
-    board, share = wireframe_if_any(scenario), scenario.pixel_scale**2
-    return World(
-        scenario=scenario,
-        chain=DOTS,
-        bodies=bodies,
-        trajectory=moving.trajectory,
-        sky=_sky(scenario, moving.sky, moving.table),
-        sensor=sensor,
-        plan=_plan(scenario, FillOfMarkers(scenario, moving.plan, bodies.optics), share, moving),
-        before_flight=BeforeFlight(
-            camera=sensor.camera,
-            calibration=scenario.calibration,
-            detector=scenario.simulated_detector,
-            marked=bodies,
-            first_pose=_first_pose(scenario, moving),
-            wireframe=board,
-            psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
-            told=scenario.told,
-            arm=moving.told_arm,
-        ),
-        truth=OfMarkers(),
+        truth=truth,
         checks=(outside_the_target, shown_in_some_image, *moving.checks),
         tables=moving.tables,
         arm=moving.arm,
