@@ -21,7 +21,7 @@ from models.plain_console import plain_console
 
 FRAME_SEED = 1_000_003  # far from the references'
 PATHS = 2**22
-COLUMNS = ("frame", "way", "> 1 s", "> 3 s", "> 10 s", "rms", "frame", "tile", "cpu", "once")
+COLUMNS = ("frame", "way", ">1 σ %", ">3 σ %", ">10 σ %", "rms σ", "frame", "tile", "s", "bake s")
 WAYS: dict[str, dict[str, object]] = {
     "the case": {},
     "and paths": {"paths": PATHS},

@@ -31,7 +31,7 @@ CHASER_GRID = 48
 CHASER_SEED = 0xC4A5
 
 
-def triangles_of(shape: Any) -> Floats:
+def corners_of(shape: Any) -> Floats:
     """Return the corners of a Mitsuba mesh, (n, 3) m."""
     params = mi.traverse(shape)
     return np.array(params["vertex_positions"], dtype=np.float64).reshape(-1, 3)
@@ -70,7 +70,7 @@ class Sunlit:
     @cached_property
     def corners(self) -> Floats:
         """The corners of its meshes, (n, 3) m."""
-        return np.concatenate([triangles_of(shape) for shape in self.own.values()])
+        return np.concatenate([corners_of(shape) for shape in self.own.values()])
 
     @cached_property
     def is_chaser(self) -> AnyArray:
