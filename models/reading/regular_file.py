@@ -50,8 +50,12 @@ def read_beginning(path: Path, count: int) -> bytes:
         _refuse_other_kinds(path, os.stat(path).st_mode)
         flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
         with open(os.open(path, flags), "rb") as file:
-            _refuse_other_kinds(path, os.fstat(file.fileno()).st_mode)
-            return file.read(count)
+            status = os.fstat(file.fileno())
+            _refuse_other_kinds(path, status.st_mode)
+            data = file.read(min(count, status.st_size + 1))  # a read takes all the room it asks
+            while len(data) < count and (more := file.read(min(count - len(data), MEGABYTE))):
+                data += more
+            return data
     except (OSError, ValueError) as error:  # a ValueError is a NUL in the path
         raise UnreadableError(path, cause(error)) from error
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from bench.cli import main
+from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[2]
 RVBENCH = [sys.executable, "-m", "bench"]
-TIME_LIMIT_S = 300.0
 
 
 def shell(command: str, **options) -> subprocess.CompletedProcess[str]:
@@ -25,7 +25,7 @@ def shell(command: str, **options) -> subprocess.CompletedProcess[str]:
         cwd=HOUSE,
         capture_output=True,
         text=True,
-        timeout=TIME_LIMIT_S,
+        timeout=HANGS_S,
         check=False,
         **options,
     )
@@ -55,7 +55,7 @@ def test_a_reader_that_left_before_the_first_word_is_code_141():
             stdout=closed,
             stderr=subprocess.PIPE,
             text=True,
-            timeout=TIME_LIMIT_S,
+            timeout=HANGS_S,
             check=False,
         )
     assert (done.returncode, done.stderr) == (141, "")

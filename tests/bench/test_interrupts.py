@@ -11,9 +11,9 @@ import pytest
 
 from bench import cli
 from bench.interrupts import WHAT_IS_KEPT, told
+from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[2]
-LONG_S = 300.0  # far more than a loaded machine takes; the kernel below takes hours
 IN_A_KERNEL = """
 import hashlib, signal, sys
 from pathlib import Path
@@ -41,7 +41,7 @@ def test_a_kernel_that_python_cannot_stop_is_left(tmp_path):
     assert process.stdout is not None
     assert process.stdout.readline() == "in it\n"
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=LONG_S)
+    _, errors = process.communicate(timeout=HANGS_S)
     assert process.returncode == 130, errors
     assert errors.strip() == told("estimate")
     assert place.read_text() == "as before"
@@ -69,7 +69,7 @@ def test_what_ends_by_itself_is_told_once():
         capture_output=True,
         text=True,
         check=False,
-        timeout=LONG_S,
+        timeout=HANGS_S,
     )
     assert done.returncode == 130, done.stderr
     assert done.stderr.strip() == told("estimate")

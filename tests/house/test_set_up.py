@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.patience import HANGS_S
+
 HOUSE = Path(__file__).parents[2]
 TOOLS = ("sh", "dirname", "mktemp", "rm", "sed", "sort", "awk", "env", "timeout", "cat")
 
@@ -40,7 +42,7 @@ class PretendedMachine:
             cwd=self.folder,
             capture_output=True,
             text=True,
-            timeout=30,
+            timeout=HANGS_S,
         )
         calls = self.log.read_text() if self.log.exists() else ""
         return done.returncode, done.stdout + done.stderr, calls
@@ -181,6 +183,6 @@ def test_the_real_python_of_these_tests_is_accepted() -> None:
         env={"PATH": f"{here}:/usr/bin:/bin"},
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=HANGS_S,
     )
     assert done.returncode == 0, done.stderr

@@ -20,6 +20,7 @@ from models.dataset.estimates_file import read_estimates
 from pipelines.registry import pipeline_names
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
+from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[3]
 UNCOMMENTED = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
@@ -159,7 +160,7 @@ def test_the_test_of_a_pipeline_passes_and_can_fail(package):
             capture_output=True,
             text=True,
             check=False,
-            timeout=300,
+            timeout=HANGS_S,
         )
 
     passed = tried()
@@ -178,7 +179,7 @@ def test_a_pipeline_can_be_built(here, tmp_path):
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=HANGS_S,
     )
     assert built.returncode == 0, built.stderr
     with zipfile.ZipFile(next((here / "finder_2").glob("*.whl"))) as wheel:

@@ -14,11 +14,11 @@ from rich.console import Console
 
 from bench.suites.spread import Pace, do_units, one_of_each_kind_first
 from bench.suites.units import is_done, outcome_path
+from tests.support.patience import HANGS_S
 from tests.support.suite_work import draw_units
 
 HOUSE = Path(__file__).resolve().parents[3]
 QUIET = Console(file=io.StringIO())
-SOON_S = 30.0  # a loaded machine may take seconds to start a process
 
 
 def files(folder: Path, count: int) -> list[bytes]:
@@ -54,7 +54,7 @@ def test_a_killed_suite_goes_on_from_whole_files(tmp_path):
         [sys.executable, "-P", "-c", program], env=environment, cwd=tmp_path,
         stderr=subprocess.DEVNULL, start_new_session=True,
     )  # fmt: skip
-    give_up_s = time.monotonic() + SOON_S
+    give_up_s = time.monotonic() + HANGS_S
     while len(list(tmp_path.rglob("*.npz"))) < 2 and time.monotonic() < give_up_s:
         time.sleep(0.02)
     os.killpg(running.pid, signal.SIGKILL)

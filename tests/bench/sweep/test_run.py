@@ -21,6 +21,7 @@ from bench.sweep.table import Row, read_csv, read_json
 from models.dataset.estimates_file import read_estimates
 from models.errors import DatasetError
 from tests.bench.sweep.conftest import SUNS, SmallSweep
+from tests.support.patience import HANGS_S
 from tests.support.small_scenes import needs_jit
 from tests.support.whole_runs import identities, start
 
@@ -117,11 +118,11 @@ def test_killed_for_good_the_same_command_ends_the_same(sweep: SmallSweep, tmp_p
     typed = ["sweep", sweep.request.case, "--time-s", "250", "--suns", *SUNS, "--threads", "1"]
     typed += ["--store", str(sweep.store.folder), "--out", str(out)]
     process = start(*typed, struck=("SIGKILL", "*/shots/*.json"))
-    process.communicate(timeout=300)
+    process.communicate(timeout=HANGS_S)
     assert process.returncode == -signal.SIGKILL
     assert not list((out / "shots").glob("*.json"))
     process = start(*typed)
-    told, errors = process.communicate(timeout=300)
+    told, errors = process.communicate(timeout=HANGS_S)
     assert process.returncode == 0, errors
     assert "0 of 3 frames are done already" in errors
     assert f"table: {out / 'sweep.csv'}" in told

@@ -11,12 +11,12 @@ import numpy as np
 from models.arrays import Radiance
 from renders.store.budget import stored
 from renders.store.radiance_store import RadianceStore, entry_key
+from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[3]
 KEYS = [entry_key({"number": number}) for number in range(24)]
 SHARED, OURS, THEIRS = KEYS[:8], KEYS[8:16], KEYS[16:]
 LIMIT_BYTES = 60_000  # of entries of some 9 kB each: six of them
-LONG_S = 60.0
 
 WRITE = """
 import sys, json
@@ -76,7 +76,7 @@ def test_two_writers_a_pruner_and_a_reader_do_each_other_no_harm(tmp_path: Path)
     writers = [start(WRITE, store.folder, LIMIT_BYTES, 12, *SHARED, *own) for own in (OURS, THEIRS)]
     seen, began_s = 0, time.monotonic()
     while any(writer.poll() is None for writer in writers):
-        assert time.monotonic() - began_s < LONG_S
+        assert time.monotonic() - began_s < HANGS_S
         for key in KEYS:
             back = store.read(key)
             if back is not None:

@@ -13,6 +13,7 @@ import pytest
 from models.errors import VariantError
 from renders.variant import choice as variant
 from renders.variant import probe_cache
+from tests.support.patience import HANGS_S
 
 A_SECOND = 1.0  # of the hour that the sleeper sleeps
 TWO_DAYS_S = 2 * probe_cache.A_DAY_S
@@ -58,7 +59,7 @@ def run_python(program: str) -> subprocess.CompletedProcess[str]:
     """Run a program that imports the house in a process of its own."""
     house = Path(variant.__file__).parents[2]
     return subprocess.run(
-        [sys.executable, "-c", program], cwd=house, capture_output=True, text=True, timeout=100
+        [sys.executable, "-c", program], cwd=house, capture_output=True, text=True, timeout=HANGS_S
     )
 
 
