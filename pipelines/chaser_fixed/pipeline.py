@@ -116,7 +116,7 @@ class ChaserFixed:
                 detections=self._unmatched(sighting.candidates),
             )
         solution = sighting.outcome
-        if self._options.centroiding == "disc_fit":
+        if self._options.centroiding != "weighted_blob":
             solution = self._refined(pair, frame.time_s, solution, predicted)
         self._motion.found(frame.time_s, solution.pose, solution.covariance)
         return Estimate(

@@ -1,4 +1,4 @@
-"""The last step of the best variant: fit every disc where the pose says it is, and solve again."""
+"""The last step of the best variant: fit every marker where the pose says it is, and solve again."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.options import ChaserFixedOptions
-from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
-from pipelines.detection.disc_outline import disc_outlines
+from pipelines.detection.cube_model import CubeFace
+from pipelines.detection.cube_template import cube_template
+from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_appearance, fit_disc
+from pipelines.detection.disc_outline import DiscOutlines, disc_outlines
+from pipelines.detection.disc_window import cut_window
 from pipelines.detection.image_difference import saturation_level_dn
 from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.pair_alignment import AlignedPatch, aligned_patch
@@ -80,6 +83,44 @@ def contrast_800(
     return float(abs(np.mean(face) - np.median(surround)) / height_dn)
 
 
+def fit_cube(
+    patch: AlignedPatch,
+    camera: Camera,
+    pose: RigidTransform,
+    markers: MarkerPattern,
+    index: int,
+    outlines: DiscOutlines,
+    detector: Detector,
+    saturation_dn: float,
+    blur: ExpectedBlur,
+) -> DiscFit | None:
+    """Fit one marker as the cube that it is known to be; None if it is not, or there is none.
+
+    Parameters
+    ----------
+    patch : AlignedPatch
+    camera, pose, markers
+    index : int
+        Of the marker.
+    outlines : DiscOutlines
+        Of all markers.
+    detector : Detector
+    saturation_dn : float, DN
+    blur : ExpectedBlur
+    """
+    centre, shape = outlines.centres_px[index], outlines.shapes_px2[index]
+    half_extent = np.sqrt(np.diag(shape))
+    template = cube_template(camera, pose, markers, index, centre, half_extent)
+    window = cut_window(
+        patch.image_800, patch.image_850, centre - patch.corner_px, half_extent, saturation_dn
+    )
+    if template is None or window is None:
+        return None
+    inverse: Floats = np.linalg.inv(shape).astype(np.float64)
+    face = CubeFace(template, inverse, float(outlines.radii_px[index]))
+    return fit_appearance(window, face, detector, blur)
+
+
 def fit_markers(
     pair: ImagePair,
     camera: Camera,
@@ -128,15 +169,21 @@ def fit_markers(
             np.clip(motions[index], -FURTHEST_MOTION_PX, FURTHEST_MOTION_PX),
             level,
         )
-        fit = fit_disc(
-            patch.image_800,
-            patch.image_850,
-            centre - patch.corner_px,
-            outlines.shapes_px2[index],
-            detector,
-            level,
-            blur,
-        )
+        fit = None
+        if options.centroiding == "cube_fit":
+            fit = fit_cube(
+                patch, camera, pose, markers, int(index), outlines, detector, level, blur
+            )
+        if fit is None:
+            fit = fit_disc(
+                patch.image_800,
+                patch.image_850,
+                centre - patch.corner_px,
+                outlines.shapes_px2[index],
+                detector,
+                level,
+                blur,
+            )
         if fit is None or not _believable(fit, radius, options):
             continue
         points.append(outlines.centres_px[index] + fit.parameters.centre_px)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from models.errors import ScenarioError
 from models.motion.prior import draw_prior
 from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
 from models.sensors.camera_chip import Detector
+from models.spacecraft.retroreflector_optics import cubes_behind
 from models.wireframe.wireframe import Wireframe
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
 from renders.world.arm_told import FirstPoseByArm, ToldArm
@@ -103,6 +104,10 @@ class BeforeFlight:
                     f"expected a target with markers, {self.marked.target.name} has none; "
                     "the 800/850 nm pair shows retroreflectors only"
                 )
+            if not markers.paint:  # told as drawn
+                index = self.marked.optics.refractive_index
+                cubes = cubes_behind(markers.normals_in_target, index)
+                markers = replace(markers, cubes=cubes)
         true = OnboardKnowledge(
             camera=self.camera,
             detector=self.detector,
