@@ -1,4 +1,4 @@
-"""The last step of the best variant: fit every marker where the pose says it is, and solve again."""
+"""The last step of the best variant: fit every marker where the pose says, and solve again."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from pipelines.pnp.match import Match
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0
 SIZE_LIMITS = (0.75, 1.33)
+EVEN_LIMITS = (-0.3, 1.3)  # of the share that a cube returns evenly: beyond, it is cut
 FURTHEST_MOTION_PX = 2.0  # within a pair; beyond it the velocity is not to be believed
 FURTHEST_RADII = 0.5  # a disc further from where the pose says is another thing
 
@@ -49,11 +50,13 @@ class FittedMarkers:
 def _believable(fit: DiscFit, radius_px: float, options: ChaserFixedOptions) -> bool:
     """Refuse what is faint, cut, of another size, or elsewhere."""
     reach = max(2.0, FURTHEST_RADII * radius_px)
+    even = fit.parameters.shares[:1]
     return bool(
         fit.parameters.height_dn > LEAST_HEIGHT_SIGMAS * fit.height_sigma_dn
         and fit.shape_misfit < options.max_misfit
         and SIZE_LIMITS[0] < fit.parameters.size < SIZE_LIMITS[1]
         and np.hypot(*fit.parameters.centre_px) < reach
+        and ((even > EVEN_LIMITS[0]) & (even < EVEN_LIMITS[1])).all()
     )
 
 
@@ -94,7 +97,7 @@ def fit_cube(
     saturation_dn: float,
     blur: ExpectedBlur,
 ) -> DiscFit | None:
-    """Fit one marker as the cube that it is known to be; None if it is not, or there is none.
+    """Fit one marker as the cube that it is known to be; None if there is no such cube.
 
     Parameters
     ----------
@@ -169,12 +172,11 @@ def fit_markers(
             np.clip(motions[index], -FURTHEST_MOTION_PX, FURTHEST_MOTION_PX),
             level,
         )
-        fit = None
-        if options.centroiding == "cube_fit":
+        if options.centroiding == "cube_fit" and markers.cubes is not None:
             fit = fit_cube(
                 patch, camera, pose, markers, int(index), outlines, detector, level, blur
             )
-        if fit is None:
+        else:
             fit = fit_disc(
                 patch.image_800,
                 patch.image_850,

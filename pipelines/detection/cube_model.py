@@ -79,6 +79,11 @@ class CubeFace:
     radius: float
 
     @property
+    def is_its_own_image(self) -> bool:
+        """It is, through its centre."""
+        return True
+
+    @property
     def expected_shares(self) -> Floats:
         """(2,) array: nothing comes back evenly, the edges are as dark as they should be."""
         return np.array([0.0, 1.0])
@@ -120,7 +125,8 @@ class CubeFace:
         profile = (1.0 - even) * lit + even * smooth
         leaning_x, leaning_y = profile * template.x, profile * template.y[:, None]
         height, (ramp_x, ramp_y) = parameters.height_dn, parameters.ramp_dn_px
-        whole = height * profile + ramp_x * leaning_x + ramp_y * leaning_y
+        brightness = height + ramp_x * template.x + ramp_y * template.y[:, None]
+        whole = brightness * profile
 
         sideways = whole @ across.value.T
         raw = np.stack(
@@ -135,8 +141,8 @@ class CubeFace:
                         profile,
                         leaning_x,
                         leaning_y,
-                        height * (smooth - lit),
-                        -height * (1.0 - even) * template.edges,
+                        brightness * (smooth - lit),
+                        -brightness * (1.0 - even) * template.edges,
                     )
                 ),
             ]

@@ -162,9 +162,7 @@ def _inside(face: _Face, x: float, y: float, step_px: float) -> Floats:
     return np.asarray(np.clip(0.5 + (1.0 - distance) / (width + 1e-12), 0.0, 1.0))
 
 
-def _lines(
-    face: _Face, lines: list[tuple[float, float]], half: float, step_px: float
-) -> Floats:
+def _lines(face: _Face, lines: list[tuple[float, float]], half: float, step_px: float) -> Floats:
     """Return the share of each grid cell that dark lines cover."""
     light = np.ones_like(face.x)
     for line_x, line_y in lines:

@@ -35,6 +35,10 @@ PULL_PX, PULL_PX3 = 2.8, 18.0
 BENT_EDGE_PX3, SOFT_EDGE_PX = 0.02, 0.35
 MODEL_MISFIT = 0.002  # what the model itself leaves at worst, scattered over the pixels
 MIN_PIXELS = 2 * PARAMETERS
+SECTORS = 8  # of the window, each with its opposite, by which a cube's misfits are judged
+# A fit hides most of a cut: the variance is up to so many times what sectors tell (measured by
+# cutting cubes from a side), the more the further they are beyond noise.
+HIDDEN, SHOWN_EXCESS = 9.0, 20.0
 
 
 class Appearance(Protocol):
@@ -43,6 +47,10 @@ class Appearance(Protocol):
     @property
     def radius(self) -> float:
         """Of the circle of its outline's area, px."""
+
+    @property
+    def is_its_own_image(self) -> bool:
+        """Whether misfits are judged by opposite sectors, which then tell more than their size."""
 
     @property
     def expected_shares(self) -> Floats:
@@ -152,6 +160,7 @@ class _Accepted:
     step: Floats
     weight: Floats
     residual: Floats
+    influence: Floats
     covariance: Floats
     total: float
 
@@ -212,7 +221,29 @@ class _Problem:
         if not np.isfinite(step).all():
             return None
         total = float(np.sum(weight * look.residual**2)) + self.prior.cost(parameters)
-        return _Accepted(parameters, step, weight, look.residual, covariance, total)
+        influence = covariance[:2] @ weighted
+        return _Accepted(parameters, step, weight, look.residual, influence, covariance, total)
+
+    def summary(self, last: _Accepted) -> DiscFit | None:
+        """Say how good a fit is; None if it is none."""
+        noise = last.covariance[:2, :2]
+        if last.parameters.height_dn <= 0.0 or np.linalg.eigvalsh(noise)[0] <= 0.0:
+            return None
+        chi2, shape_misfit = _misfit(last, self.window.usable)
+        if not np.isfinite(chi2):
+            return None
+        if self.appearance.is_its_own_image:
+            covariance = 0.5 * (noise + noise.T) + uneven_covariance(last, self.window)
+        else:
+            covariance = 0.5 * max(1.0, chi2) * (noise + noise.T)
+            covariance += _pull_px2(last.parameters, shape_misfit, self.appearance.radius)
+        return DiscFit(
+            parameters=last.parameters,
+            covariance_px2=covariance,
+            height_sigma_dn=float(np.sqrt(last.covariance[5, 5])),
+            shape_misfit=shape_misfit,
+            misfit_chi2=chi2,
+        )
 
 
 def fit_disc(
@@ -290,31 +321,51 @@ def fit_appearance(
             break
         shorten = min(1.0, LONGEST_STEP_PX / length)
         parameters = parameters.moved(shorten * accepted.step)
-    return None if accepted is None else _summary(accepted, window.usable, appearance.radius)
+    return None if accepted is None else problem.summary(accepted)
 
 
-def _summary(last: _Accepted, usable: Mask, radius: float) -> DiscFit | None:
+def _misfit(last: _Accepted, usable: Mask) -> tuple[float, float]:
+    """Return reduced chi-square, and the rms of what is no noise over the height."""
     left, weight = last.residual[usable], last.weight[usable]
-    freedom = max(len(left) - PARAMETERS, 1)
-    misfit_chi2 = float(np.sum(weight * left**2)) / freedom
-    height, crosstalk = last.parameters.height_dn, last.parameters.crosstalk
-    noise = last.covariance[:2, :2]
-    if height <= 0.0 or not np.isfinite(misfit_chi2) or np.linalg.eigvalsh(noise)[0] <= 0.0:
-        return None
-    shape_misfit = 0.0
-    if misfit_chi2 > 1.0 + SIGNIFICANT * np.sqrt(2.0 / freedom):
-        # What noise alone explains is no misfit of shape.
-        left_over = float(np.mean(left**2)) * (1.0 - 1.0 / misfit_chi2)
-        shape_misfit = float(np.sqrt(left_over)) / height
+    freedom = max(len(left) - len(last.step), 1)
+    chi2 = float(np.sum(weight * left**2)) / freedom
+    if not chi2 > 1.0 + SIGNIFICANT * np.sqrt(2.0 / freedom):
+        return chi2, 0.0
+    # What noise alone explains is no misfit of shape.
+    left_over = float(np.mean(left**2)) * (1.0 - 1.0 / chi2)
+    return chi2, float(np.sqrt(left_over)) / last.parameters.height_dn
+
+
+def _pull_px2(parameters: DiscParameters, shape_misfit: float, radius: float) -> Floats:
+    """Return the variance of the centre that a misfit of an even disc brings."""
     cut = float(np.sqrt(max(shape_misfit**2 - MODEL_MISFIT**2, 0.0)))
     pull_px = cut * (PULL_PX + PULL_PX3 / radius**2)
-    softness_px = float(np.hypot(last.parameters.blur_px, np.sqrt(max(2.0 * crosstalk, 0.0))))
+    exchanged = np.sqrt(max(2.0 * parameters.crosstalk, 0.0))
+    softness_px = float(np.hypot(parameters.blur_px, exchanged))
     bend_px = BENT_EDGE_PX3 / radius**2 * max(1.0 - softness_px / SOFT_EDGE_PX, 0.0)
-    return DiscFit(
-        parameters=last.parameters,
-        covariance_px2=0.5 * max(1.0, misfit_chi2) * (noise + noise.T)
-        + (pull_px**2 + bend_px**2) * np.eye(2),
-        height_sigma_dn=float(np.sqrt(last.covariance[5, 5])),
-        shape_misfit=shape_misfit,
-        misfit_chi2=misfit_chi2,
-    )
+    return np.asarray((pull_px**2 + bend_px**2) * np.eye(2))
+
+
+def uneven_covariance(last: _Accepted, window: DiscWindow) -> Floats:
+    """Return what misfits that are not the same on both sides of the centre do to it, (2, 2) px^2.
+
+    What differs alike on opposite sides (lines at another turn, another aperture) pulls both ways
+    and leaves the centre where it is. So the window is parted into sectors, each with its
+    opposite; what the residuals of one such pair add to the centre is noise, or a misfit's pull.
+    All add up to nothing, as the fit is at its best; their scatter is what the centre may be off
+    (the sandwich covariance of clustered residuals, Liang and Zeger 1986).
+    """
+    x = window.x[:, 1:-1] - last.parameters.centre_px[0]
+    y = window.y[1:-1] - last.parameters.centre_px[1]
+    turn = np.arctan2(*np.broadcast_arrays(y, x)) % np.pi
+    sector = np.minimum((turn * (SECTORS / np.pi)).astype(np.int64), SECTORS - 1).reshape(-1)
+    pull = last.influence * last.residual.reshape(-1)
+    weight = np.maximum(last.weight.reshape(-1), 1e-300)
+    noise = last.influence**2 / weight * (last.weight.reshape(-1) > 0.0)
+    pulls = np.stack([np.bincount(sector, axis, SECTORS) for axis in pull], axis=1)
+    foreseen = np.stack([np.bincount(sector, axis, SECTORS) for axis in noise], axis=1)
+    excess = float((pulls**2).sum() / max(foreseen.sum(), 1e-300))
+    if excess <= 1.0 + SIGNIFICANT / np.sqrt(SECTORS):
+        return np.zeros((2, 2))
+    hidden = 1.0 + (HIDDEN - 1.0) / (1.0 + (SHOWN_EXCESS / excess) ** 2)
+    return np.asarray(hidden * SECTORS / (SECTORS - 1.0) * pulls.T @ pulls)

@@ -174,6 +174,11 @@ class EvenDisc:
     radius: float
 
     @property
+    def is_its_own_image(self) -> bool:
+        """It is, but a cut is what pulls a disc, and of that its misfit tells more."""
+        return False
+
+    @property
     def expected_shares(self) -> Floats:
         """(0,) array."""
         return np.zeros(0)

@@ -19,7 +19,7 @@ import numpy as np
 
 from models.spacecraft.corner_cube import EDGE, ROOT2, dark_lines, refracted_tangent
 
-SOFT = 0.25  # of a pixel: over which edges are blurred; what the lens leaves of it is 3e-4 of a disc
+SOFT = 0.25  # of a pixel: edges are blurred over that
 RESOLVED, UNRESOLVED = 0.12, 0.3  # blurs over the radius between which the two are blended
 CENTRE = EDGE**2 * 6.0 * 3.0**0.5 / float(np.pi)  # where lines meet they were counted twice
 LEAST_SHARE = 0.02  # of the disc: thinner apertures than that return next to nothing
