@@ -28,7 +28,7 @@ KNOWN = cubes_behind(NORMAL)
 ONE = MarkerPattern(("1",), np.zeros((1, 3)), NORMAL, 0.0127, cubes=KNOWN)
 BLUR = ExpectedBlur(psf_sigma_px=0.5, tolerance_px=0.25, start_px=0.5)
 VIEWS = ((4.2, 8.0), (15.5, 20.0))  # radius in px, incidence in deg: at 6.7 m and at 1.8 m
-RUNS = 12
+RUNS = 8
 SCATTER_PX = 0.004  # at either end; the noise alone is 0.002 and 0.001
 FLOOR_PX = 0.0015  # what the pipeline adds, for what is left of pixels
 
@@ -72,7 +72,7 @@ def fits(
         seen = Scene(
             camera=SMALL,
             markers=ONE,
-            **({"cubes": KNOWN, "supersampling": 12, "prnu": 0.005} | scene),  # type: ignore[arg-type]
+            **({"cubes": KNOWN, "supersampling": 10, "prnu": 0.005} | scene),  # type: ignore[arg-type]
         )
         pair = image_pair(expected_pair(seen, pose).exposed(run))
         guess = rng.uniform(-0.3, 0.3, 2)
@@ -161,7 +161,6 @@ def test_a_cube_is_found_as_well_as_its_noise_allows_and_says_so(
     assert np.median([fit.parameters.shares[0] for fit in found]) == pytest.approx(0.0, abs=0.05)
 
 
-@pytest.mark.parametrize(("radius_px", "tilt_deg"), VIEWS)
 @pytest.mark.parametrize(
     ("markers", "sight"),
     [
@@ -176,19 +175,19 @@ def test_a_cube_is_found_as_well_as_its_noise_allows_and_says_so(
     ids=["2 % too large", "no turn told", "15 deg off", "glass", "even", "half even", "ramp"],
 )
 def test_a_cube_known_wrongly_is_found_no_worse_and_nobody_is_misled(
-    radius_px: float, tilt_deg: float, markers: MarkerPattern, sight: dict[str, object]
+    markers: MarkerPattern, sight: dict[str, object]
 ) -> None:
     """What differs alike on both sides of the centre does not pull it, nor widen it much."""
-    errors, found = fits(radius_px, tilt_deg, markers, runs=8, **sight)
+    errors, found = fits(8.0, 15.0, markers, runs=6, **sight)
     assert np.sqrt(np.mean(errors**2)) < SCATTER_PX
     assert nees(errors, found) < chi2.ppf(0.9995, errors.size) / errors.size
     stated = np.sqrt(np.mean([np.trace(fit.covariance_px2) / 2.0 for fit in found]))
     assert stated < 2.0 * SCATTER_PX
 
 
-@pytest.mark.parametrize("radius_px", [4.2, 15.5])
+@pytest.mark.parametrize("radius_px", [4.2, 8.0])
 @pytest.mark.parametrize("share", [0.05, 0.1, 0.15])
 def test_a_cut_cube_says_so(radius_px: float, share: float) -> None:
-    errors, found = fits(radius_px, 12.0, runs=4, cut={0: share})
+    errors, found = fits(radius_px, 12.0, runs=3, cut={0: share})
     for error, fit in zip(errors, found, strict=True):
         assert error @ np.linalg.solve(fit.covariance_px2, error) < chi2.ppf(0.999, 2)
