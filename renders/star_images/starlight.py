@@ -1,0 +1,61 @@
+"""Starlight on the chip of a star camera that turns while its shutter is open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.arrays import Floats
+from models.sensors.star_camera import StarCamera
+from models.sky.aberration import aberrated
+from models.sky.hipparcos import hipparcos_stars
+from renders.detector.point_lights import add_points
+from renders.star_images.star_view import StarView
+
+STEP_PX = 0.2  # from one instant of a moving star to the next
+MARGIN_PX = 12.0  # beside the chip, from which spread and motion bring light onto it
+
+
+def stars_in_view(
+    view: StarView, sensor: StarCamera, margin_px: float = 0.0
+) -> tuple[Floats, Floats, Floats]:
+    """Return the stars before the camera at the middle of the exposure.
+
+    Parameters
+    ----------
+    view : StarView
+    sensor : StarCamera
+    margin_px : float, px
+        Beside the chip that counts, too.
+
+    Returns
+    -------
+    in_cam : (n, 3) array
+        Unit vectors, as the stars seem to stand.
+    magnitude : (n,) array
+    row : (n,) array
+        In the catalogue.
+    """
+    stars, camera = hipparcos_stars(), sensor.camera
+    in_cam = aberrated(stars.directions_in_icrs, view.velocity_m_s) @ view.cam_from_icrs.T
+    corner = camera.rays(camera.spread_px(1))[:, 2].min() - 0.1
+    near = np.flatnonzero(in_cam[:, 2] > corner)
+    pixels = camera.project(in_cam[near])
+    row = near[camera.contains(pixels, -margin_px)]
+    return in_cam[row], stars.magnitude[row], row.astype(np.float64)
+
+
+def add_starlight(charge: Floats, view: StarView, sensor: StarCamera) -> None:
+    """Add the stars' charge, and that of what looks like stars, to the chip's, (height, width), e.
+
+    A star is drawn at instants evenly within the exposure, as many as the fastest needs.
+    """
+    camera, sigma = sensor.camera, sensor.optics.psf_sigma_px
+    in_cam, magnitude, _ = stars_in_view(view, sensor, MARGIN_PX)
+    electrons = sensor.electrons(magnitude)
+    angle = float(np.linalg.norm(view.rate_in_cam_rad_s)) * sensor.exposure_s
+    count = 1 + int(np.ceil(angle * max(camera.fx, camera.fy) / STEP_PX))
+    for instant in (np.arange(count) + 0.5) / count - 0.5:
+        # A star that stands still in space turns backwards in the camera.
+        moved = in_cam - instant * sensor.exposure_s * np.cross(view.rate_in_cam_rad_s, in_cam)
+        add_points(charge, camera.project(moved), electrons / count, sigma)
+    add_points(charge, view.false_px, sensor.electrons(view.false_mag), sigma)
