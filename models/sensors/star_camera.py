@@ -7,7 +7,7 @@ IEEE Transactions on Aerospace and Electronic Systems 38). All numbers are ours;
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,8 @@ from models.camera import Camera
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
 from models.sky.broadband_flux import zero_magnitude_photons_m2_s
+
+FIELD_DEG = 20.0
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class StarCamera:
         Unit vector.
     """
 
-    camera: Camera = field(default_factory=lambda: Camera.from_fov(1024, 1024, 20.0))
+    camera: Camera = field(default_factory=lambda: Camera.from_fov(1024, 1024, FIELD_DEG))
     optics: Optics = field(
         default_factory=lambda: Optics(
             f_number=2.0, transmission=0.8, psf_sigma_px=0.7, vignetting=False
@@ -104,3 +106,19 @@ class StarCamera:
     def electrons(self, magnitude: Floats) -> Floats:
         """Return the charge that stars leave in an exposure, e, by their magnitudes, (...,)."""
         return self.zero_magnitude_e_s * self.exposure_s * 10.0 ** (-0.4 * magnitude)
+
+
+def star_camera(pixels: int = 1024) -> StarCamera:
+    """Return the star camera with so many pixels a side: as wide a field, as wide a lens.
+
+    Parameters
+    ----------
+    pixels : int
+    """
+    own = StarCamera()
+    pitch_um = own.detector.pixel_pitch_um * own.camera.width / pixels
+    return replace(
+        own,
+        camera=Camera.from_fov(pixels, pixels, FIELD_DEG),
+        detector=replace(own.detector, pixel_pitch_um=pitch_um),
+    )

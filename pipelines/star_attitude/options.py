@@ -13,6 +13,9 @@ class StarAttitudeOptions:
     ----------
     detection_snr : float
         Of a spot over the noise, seen through the filter that matches it.
+    sharpest : float
+        Share of a spot's light that its central pixel may have: a hot pixel has all of it. (A star
+        in the middle of a pixel has 0.28 at 0.7 px of spread, more by noise where it is faint.)
     most_spots : int
         The brightest are kept.
     most_misfit : float
@@ -48,7 +51,8 @@ class StarAttitudeOptions:
     """
 
     detection_snr: float = 6.0
-    most_spots: int = 100
+    sharpest: float = 0.45
+    most_spots: int = 150
     most_misfit: float = 2.0
     most_saturated: float = 0.25
     pattern_mag: float = 5.4

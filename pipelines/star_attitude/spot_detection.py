@@ -99,6 +99,7 @@ def spot_peaks(
     border = np.zeros(clear.shape, dtype=np.bool_)
     border[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX] = True
     highest = clear >= cv2.dilate(clear, np.ones((5, 5), np.uint8))
+    highest &= residual < options.sharpest * filtered / np.float32(np.sum(kernel**2))
     rows, columns = np.nonzero(highest & border & (clear > options.detection_snr))
     order = np.argsort(-clear[rows, columns], kind="stable")[: options.most_spots]
     return np.stack([columns[order], rows[order]], axis=1)
