@@ -2,7 +2,7 @@
 
 A sensor of the small class: 20 deg of sky on a megapixel, no filter, spots spread over a few pixels
 so that their middles can be told (Liebe 2002, Accuracy performance of star trackers: a tutorial,
-IEEE Transactions on Aerospace and Electronic Systems 38). All numbers are ours; no product is meant.
+IEEE Transactions on Aerospace and Electronic Systems 38). All numbers are ours, and no product's.
 """
 
 from __future__ import annotations
@@ -73,9 +73,7 @@ class StarCamera:
     scatter: LensScatter = field(
         default_factory=lambda: LensScatter(peak_1_sr=3.0, hood_deg=30.0, hood_leak=1e-4)
     )
-    radiation: Radiation = field(
-        default_factory=lambda: Radiation(flux_cm2_s=5.0, depth_um=10.0)
-    )
+    radiation: Radiation = field(default_factory=lambda: Radiation(flux_cm2_s=5.0, depth_um=10.0))
     hot_share: float = 1e-4
     hot_e_s: float = 5000.0
     sky_mag_arcsec2: float = 21.5

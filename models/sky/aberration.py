@@ -20,7 +20,7 @@ DIFFERENCE_S = 3600.0  # over which the Earth's way bends by 2e-4 of its speed, 
 
 
 def aberrated(directions: Floats, velocity_m_s: Floats) -> Floats:
-    """Return where stars seem to stand, (..., 3), unit vectors; with ``-velocity_m_s`` the way back.
+    """Return where stars seem to stand, (..., 3); with ``-velocity_m_s`` the way back.
 
     Parameters
     ----------

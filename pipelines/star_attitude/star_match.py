@@ -64,9 +64,8 @@ def matched(
         known = aberrated(catalogue.directions[stars], velocity_m_s)
         attitude = wahba_attitude(seen[spots], known, np.ones(len(spots)))
         from_sky = aberrated(seen @ attitude, -velocity_m_s)
-        apart, nearest = catalogue.tree.query(
-            from_sky, distance_upper_bound=within_arcsec * ARCSEC
-        )
+        found = catalogue.tree.query(from_sky, distance_upper_bound=within_arcsec * ARCSEC)
+        apart, nearest = (np.atleast_1d(np.asarray(each)) for each in found)
         hit = np.flatnonzero(np.isfinite(apart))
         hit = hit[np.argsort(apart[hit], kind="stable")]
         _, once = np.unique(nearest[hit], return_index=True)  # a star is one spot, the nearest

@@ -1,13 +1,13 @@
 """Triangles of spots that are triangles of the catalogue, without any idea where the camera looks.
 
-Three sides within some arcseconds, three magnitudes and the right handedness: a triangle of strangers
-passes once in a thousand or so, and whoever passes is put to the test on all other spots
-(``star_match``). Triangles are taken in Mortari's order, which moves on from a false spot at once.
+Three sides within some arcseconds, three magnitudes and the right handedness: few triangles of
+strangers pass, and whoever passes is put to the test on all other spots (``star_match``). Triangles
+are taken in Mortari's order, which moves on from a false spot at once.
 
 References
 ----------
-D. Mortari, M. A. Samaan, C. Bruccoleri and J. L. Junkins, The pyramid star identification technique,
-Navigation 51 (2004).
+D. Mortari, M. A. Samaan, C. Bruccoleri and J. L. Junkins, The pyramid star identification
+technique, Navigation 51 (2004).
 """
 
 from __future__ import annotations

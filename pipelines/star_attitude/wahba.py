@@ -42,4 +42,4 @@ def wahba_covariance(seen: Floats, variances_rad2: Floats) -> Floats:
     """
     weights = 1.0 / variances_rad2
     told = np.sum(weights) * np.eye(3) - (seen * weights[:, None]).T @ seen
-    return np.linalg.inv(told)
+    return np.asarray(np.linalg.inv(told), dtype=np.float64)

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from models.arrays import Floats, Image
+from models.arrays import Floats, Image, Indices
 from models.sensors.star_camera import StarCamera
 from renders.detector.expose import CHIP_SEED, expose_electrons, exposure_rng, pixel_response
 from renders.detector.radiation_hits import radiation_hits
@@ -31,9 +31,7 @@ def star_frame(view: StarView, sensor: StarCamera, key: tuple[int, ...]) -> Imag
     """
     detector = sensor.detector
     mean_e = mean_charge(view, sensor)
-    particles = radiation_hits(
-        sensor.radiation, detector, mean_e.shape, sensor.exposure_ms, key
-    )
+    particles = radiation_hits(sensor.radiation, detector, mean_e.shape, sensor.exposure_ms, key)
     return expose_electrons(mean_e, detector, exposure_rng(*key), particles)
 
 
@@ -60,7 +58,7 @@ def mean_charge(view: StarView, sensor: StarCamera) -> Floats:
 @lru_cache(maxsize=4)
 def _hot_pixels(
     height: int, width: int, share: float, median_e_s: float
-) -> tuple[Floats, Floats, Floats]:
+) -> tuple[Indices, Indices, Floats]:
     """Return rows, columns and dark currents of the pixels of one chip that are hot."""
     rng = np.random.default_rng([CHIP_SEED, height, width])
     count = round(share * height * width)

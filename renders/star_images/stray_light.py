@@ -22,8 +22,9 @@ from renders.star_images.star_view import SUN_MAG, Disc, EarthView, StarView
 
 NODES = 64  # of the grid along a side, less one
 ALBEDO = 0.3
-PIECES = 150
+PIECES = 60
 NO_BAFFLE_DEG = 90.0
+LEAST = 1e-9
 
 
 def add_stray_light(charge: Floats, view: StarView, sensor: StarCamera) -> None:
@@ -41,8 +42,8 @@ def add_stray_light(charge: Floats, view: StarView, sensor: StarCamera) -> None:
         scattered += electrons * _scattered(nodes, towards[None], sensor, baffled)[:, 0]
         _add_disc(charge, towards, disc, electrons, camera)
     if view.earth is not None:
-        towards, electrons = _earth_pieces(view, view.earth, sensor)
-        scattered += _scattered(nodes, towards, sensor, True) @ electrons
+        pieces, light = _earth_pieces(view, view.earth, sensor)
+        scattered += _scattered(nodes, pieces, sensor, True) @ light
         _add_earth(charge, view, view.earth, sensor, pixel_sr)
     if scattered.any():
         charge += _over_pixels(scattered * pixel_sr, camera)
@@ -53,7 +54,8 @@ def _scattered(nodes: Floats, towards: Floats, sensor: StarCamera, baffled: bool
     scatter = sensor.scatter if baffled else replace(sensor.scatter, hood_deg=NO_BAFFLE_DEG)
     off_deg = np.rad2deg(np.arccos(np.clip(towards[:, 2], -1.0, 1.0)))
     passed = np.array([scatter.hood(float(each)) for each in off_deg])
-    return scatter.scattered(nodes @ towards.T) * passed
+    cosine = np.maximum(nodes @ towards.T, LEAST)  # the hood ends at a right angle, not a pixel
+    return scatter.scattered(cosine) * passed
 
 
 def _add_disc(
@@ -67,9 +69,7 @@ def _add_disc(
     if not camera.contains(middle[None], -float(reach))[0]:
         return
     low = np.maximum(np.rint(middle).astype(np.int64) - reach, 0)
-    high = np.minimum(
-        np.rint(middle).astype(np.int64) + reach + 1, [camera.width, camera.height]
-    )
+    high = np.minimum(np.rint(middle).astype(np.int64) + reach + 1, [camera.width, camera.height])
     rows, columns = np.mgrid[low[1] : high[1], low[0] : high[0]]
     rays = camera.rays(np.stack([columns, rows], axis=-1).reshape(-1, 2))
     inside = (np.linalg.norm(rays - towards, axis=1) < radius).reshape(rows.shape)

@@ -44,7 +44,8 @@ def attitude_bound(
         sensor.camera.project(in_cam[known] + np.cross(STEP_RAD * axis, in_cam[known]))
         for axis in np.eye(3)
     ]
-    slopes = (np.stack(turned, axis=-1) - sensor.camera.project(in_cam[known])[..., None]) / STEP_RAD
+    still = sensor.camera.project(in_cam[known])
+    slopes = (np.stack(turned, axis=-1) - still[..., None]) / STEP_RAD
     return np.linalg.inv(np.einsum("nik,nij,njl->kl", slopes, information, slopes))
 
 

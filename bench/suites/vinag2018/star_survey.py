@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from bench.suites.units import Outcome
 from bench.suites.vinag2018.flight import EPOCH
@@ -38,17 +39,24 @@ class Sky:
         Whether the full Moon stands somewhere on the chip.
     rate_deg_s : float, deg/s
         1 sigma of the turn rate on each axis.
+    focal_error : float
+        By how much of itself the true focal length is longer than the one told.
+    share : float
+        Of the attitudes asked for, that are drawn under this sky.
     """
 
     false_stars: int = 0
     moon: bool = False
     rate_deg_s: float = 0.06
+    focal_error: float = 0.0
+    share: float = 1.0
 
 
 SKIES = {
     "nothing in the way": Sky(),
     "20 false stars and the Moon": Sky(20, True),
-    "turning at half a degree a second": Sky(rate_deg_s=0.5),
+    "turning at half a degree a second": Sky(rate_deg_s=0.5, share=0.2),
+    "a focal length 0.01 % too long": Sky(focal_error=1e-4, share=0.2),
 }
 
 
@@ -83,11 +91,15 @@ def survey(task: SurveyTask) -> Outcome:
     -------
     Outcome
         By attitude (n): ``found``, ``error_rad`` (n, 3) of the rotation vector in camera axes, NaN
-        where refused; ``stated_rad2`` and ``bound_rad2`` (n, 3, 3); ``spots``, ``stars`` identified,
-        ``triangles`` tried. Seconds of one core for each frame's attitude, light left out.
+        where refused; ``stated_rad2`` and ``bound_rad2`` (n, 3, 3); ``spots``, ``stars``
+        identified, ``triangles`` tried. Seconds of one core for each frame's attitude, light left
+        out.
     """
-    sensor = star_camera(task.pixels)
-    finder = StarSensor(sensor)
+    told = star_camera(task.pixels)
+    finder = StarSensor(told)
+    longer = 1.0 + task.sky.focal_error
+    camera = replace(told.camera, fx=told.camera.fx * longer, fy=told.camera.fy * longer)
+    sensor = replace(told, camera=camera)
     rows, seconds = [], []
     for number in range(task.first, task.first + task.count):
         view = drawn_view(task.sky, sensor, task.seed, number)
@@ -153,11 +165,7 @@ def error_of(fix: StarFix, view: StarView) -> Floats:
     """Return the rotation vector that carries the truth to what was found, (3,), rad; or NaN."""
     if fix.cam_from_icrs is None:
         return np.full(3, np.nan)
-    turn = fix.cam_from_icrs @ view.cam_from_icrs.T
-    axis = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    sine = float(np.linalg.norm(axis))
-    angle = np.arctan2(sine, 0.5 * (np.trace(turn) - 1.0))
-    return axis * (angle / sine if sine > 0.0 else 1.0)
+    return Rotation.from_matrix(fix.cam_from_icrs @ view.cam_from_icrs.T).as_rotvec()
 
 
 def _or_nothing(array: Floats | None, shape: tuple[int, ...]) -> Floats:
