@@ -29,8 +29,19 @@ def star_frame(view: StarView, sensor: StarCamera, key: tuple[int, ...]) -> Imag
     -------
     (height, width) uint16 array, DN
     """
+    return exposed(mean_charge(view, sensor), sensor, key)
+
+
+def exposed(mean_e: Floats, sensor: StarCamera, key: tuple[int, ...]) -> Image:
+    """Expose one frame from its expected charge; see ``star_frame``.
+
+    Parameters
+    ----------
+    mean_e : (height, width) array, e
+    sensor : StarCamera
+    key : tuple of at least 3 int
+    """
     detector = sensor.detector
-    mean_e = mean_charge(view, sensor)
     particles = radiation_hits(sensor.radiation, detector, mean_e.shape, sensor.exposure_ms, key)
     return expose_electrons(mean_e, detector, exposure_rng(*key), particles)
 

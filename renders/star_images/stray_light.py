@@ -131,15 +131,16 @@ def _add_earth(
 
 
 def _over_pixels(values: Floats, camera: Camera) -> Floats:
-    grid = values.reshape(NODES + 1, NODES + 1)
-    return _hats(camera.height) @ grid @ _hats(camera.width).T
+    columns = _between(values.reshape(NODES + 1, NODES + 1).T, camera.width).T
+    return _between(columns, camera.height)
 
 
-@lru_cache(maxsize=4)
-def _hats(pixels: int) -> Floats:
-    """Return what each node counts at each pixel of a side, (pixels, nodes): linear between two."""
+def _between(nodes: Floats, pixels: int) -> Floats:
+    """Return rows at so many pixels' middles, (pixels, n), linear between rows of nodes."""
     place = (np.arange(pixels) + 0.5) / pixels * NODES
-    return np.maximum(1.0 - np.abs(place[:, None] - np.arange(NODES + 1.0)), 0.0)
+    low = place.astype(np.int64)
+    part = (place - low)[:, None]
+    return nodes[low] + part * (nodes[low + 1] - nodes[low])
 
 
 @lru_cache(maxsize=4)

@@ -17,7 +17,7 @@ from models.sensors.star_camera import StarCamera, star_camera
 from models.sky.aberration import earth_velocity_m_s
 from models.sky.sun_ephemeris import epoch_of, sun_dir_in_inertial
 from pipelines.star_attitude.star_sensor import StarFix, StarSensor
-from renders.star_images.star_frame import mean_charge, star_frame
+from renders.star_images.star_frame import exposed, mean_charge
 from renders.star_images.star_view import FULL_MOON_MAG, Disc, StarView, sun_disc
 
 ORBITAL_M_S = 7500.0
@@ -104,7 +104,7 @@ def survey(task: SurveyTask) -> Outcome:
     for number in range(task.first, task.first + task.count):
         view = drawn_view(task.sky, sensor, task.seed, number)
         mean_e = mean_charge(view, sensor)
-        image = star_frame(view, sensor, (task.seed, number, SURVEY))
+        image = exposed(mean_e, sensor, (task.seed, number, SURVEY))
         began = time.process_time()
         fix = finder.find(image, view.rate_in_cam_rad_s, view.velocity_m_s)
         seconds.append(time.process_time() - began)
