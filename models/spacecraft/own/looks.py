@@ -156,7 +156,7 @@ def _of_material(mesh: Any, visual: Any) -> Look:
 
 
 def _is_nothing(material: Any) -> bool:
-    """Tell whether trimesh made up a material: nameless, or with its grey image for a missing one."""
+    """Tell whether trimesh made a material up: nameless, or with its grey image for a lost one."""
     from trimesh.visual.material import color_image
 
     if material.image is None:
