@@ -51,8 +51,8 @@ class Suite:
     runs: OptionalCount = None
     """runs of each case that the paper repeats (50), or of volpe2017's own case (100)"""
     acquisitions: OptionalCount = None
-    """acquisitions of each case (1000, of which the paper's table takes the first 100), or attitudes
-    of vinag2018's star camera (1000)"""
+    """acquisitions of each case (1000, of which the paper's table takes the first 100), or
+    attitudes of vinag2018's star camera (1000)"""
     seeds: OptionalCount = None
     """runs of each cell where the paper has a single one (10)"""
     paper_runs: OptionalCount = None
