@@ -49,7 +49,7 @@ class OnboardCatalogue:
     second: Indices
 
     def pairs(self, chord: float, tolerance: float) -> tuple[Indices, Indices]:
-        """Return all pairs about so far apart, each both ways round.
+        """Return the rows of all pairs about so far apart, (n,) each, both ways round.
 
         Parameters
         ----------

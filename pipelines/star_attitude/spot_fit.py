@@ -47,7 +47,7 @@ class Spots:
         return len(self.pixels)
 
     def kept(self, which: Mask | Indices) -> Spots:
-        """Return some of them, in the order told."""
+        """Return some of them, by (n,) bool array or (k,) rows in order."""
         return Spots(
             self.pixels[which],
             self.covariance_px2[which],
@@ -83,7 +83,15 @@ def fit_spots(
 
 
 def fitted(seen: SpotImage, peaks: Indices, smears_px: Floats, sensor: StarCamera) -> Spots:
-    """Fit spots, whatever they look like; see ``fit_spots``."""
+    """Fit spots, whatever they look like.
+
+    Parameters
+    ----------
+    seen : SpotImage
+    peaks : (n, 2) int array, px
+    smears_px : (n, 2) array, px
+    sensor : StarCamera
+    """
     if not len(peaks):
         return Spots(np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros(0), np.zeros(0))
     detector, sigma_px = sensor.detector, sensor.optics.psf_sigma_px

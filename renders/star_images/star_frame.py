@@ -33,7 +33,7 @@ def star_frame(view: StarView, sensor: StarCamera, key: tuple[int, ...]) -> Imag
 
 
 def exposed(mean_e: Floats, sensor: StarCamera, key: tuple[int, ...]) -> Image:
-    """Expose one frame from its expected charge; see ``star_frame``.
+    """Return a frame of the expected charge, (height, width) uint16, DN; see ``star_frame``.
 
     Parameters
     ----------

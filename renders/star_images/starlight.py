@@ -45,9 +45,16 @@ def stars_in_view(
 
 
 def add_starlight(charge: Floats, view: StarView, sensor: StarCamera) -> None:
-    """Add the stars' charge, and that of what looks like stars, to the chip's, (height, width), e.
+    """Add the stars' charge, and that of what looks like stars, to the chip's.
 
     A star is drawn at instants evenly within the exposure, as many as the fastest needs.
+
+    Parameters
+    ----------
+    charge : (height, width) array, e
+        Is changed.
+    view : StarView
+    sensor : StarCamera
     """
     in_cam, magnitude, _ = stars_in_view(view, sensor, MARGIN_PX)
     electrons, sigma = sensor.electrons(magnitude), sensor.optics.psf_sigma_px

@@ -28,7 +28,15 @@ LEAST = 1e-9
 
 
 def add_stray_light(charge: Floats, view: StarView, sensor: StarCamera) -> None:
-    """Add all light but the stars' to the chip's charge, (height, width), e."""
+    """Add all light but the stars' to the chip's charge.
+
+    Parameters
+    ----------
+    charge : (height, width) array, e
+        Is changed.
+    view : StarView
+    sensor : StarCamera
+    """
     camera = sensor.camera
     pixel_sr = 1.0 / (camera.fx * camera.fy)
     arcsec2 = pixel_sr * (180.0 * 3600.0 / np.pi) ** 2
