@@ -14,6 +14,8 @@ from bench.report.plot import INK, colour_of, drawn_svg
 from bench.scoring.pose_summary import errors_of
 from models.arrays import Floats
 
+LEAST_SPAN = 1e-3  # of an axis, over the value at its middle
+
 
 def standing_figure(comparison: Comparison) -> str:
     """Draw each measure of every method with its interval, as SVG."""
@@ -97,12 +99,23 @@ def condition_figure(comparison: Comparison) -> str:
                 panel.plot(values[lost], scores[lost], "x", ms=5.0, color=colour)
         for panel, (_, title) in zip(panels, axes, strict=True):
             panel.set_xlabel(title, color=INK)
+            _not_within_nothing(panel)
             _logarithmic(panel, "y")
         panels[0].set_ylabel("SPEED score of the frame")
         handles, names = panels[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=min(6, len(names)))
 
     return drawn_svg(draw, (11.0, 3.4))
+
+
+def _not_within_nothing(panel: Any) -> None:
+    """Widen an axis along which nothing changes, and write its numbers whole."""
+    panel.ticklabel_format(axis="x", useOffset=False)
+    low, high = panel.get_xlim()
+    middle = 0.5 * (low + high)
+    least = LEAST_SPAN * max(abs(middle), 1e-9)
+    if high - low < least:
+        panel.set_xlim(middle - 0.5 * least, middle + 0.5 * least)
 
 
 def _logarithmic(panel: Any, along: str) -> None:
