@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from bench.compare.comparison import Comparison
 from bench.compare.conditions import conditions
@@ -14,6 +15,7 @@ from bench.report.plot import INK, colour_of, drawn_svg
 from bench.scoring.pose_summary import errors_of
 from models.arrays import Floats
 
+MOST_TICKS = 5  # whose numbers do not run into each other
 LEAST_SPAN = 1e-3  # of an axis, over the value at its middle
 
 
@@ -123,6 +125,10 @@ def _logarithmic(panel: Any, along: str) -> None:
     drawn = [line.get_data()["xy".index(along)] for line in panel.lines]
     if any((np.asarray(values, dtype=np.float64) > 0.0).any() for values in drawn):
         panel.set(**{f"{along}scale": "log"})
+        axis = panel.xaxis if along == "x" else panel.yaxis
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=MOST_TICKS))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _drawn(value: Value) -> tuple[float, float]:

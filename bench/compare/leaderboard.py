@@ -36,8 +36,8 @@ class Measure:
 
 MEASURES: dict[RankBy, Measure] = {
     "speed": Measure("SPEED score", "", mean),
-    "position": Measure("position error, median of all frames", "m", median),
-    "attitude": Measure("attitude error, median of all frames", "deg", median),
+    "position": Measure("position error, median", "m", median),
+    "attitude": Measure("attitude error, median", "deg", median),
     "ar": Measure("BOP average recall", "", mean, less_is_better=False),
 }
 

@@ -82,8 +82,9 @@ def _board(comparison: Comparison) -> Section:
         "Leaderboard",
         text=(
             f"Ranked by {MEASURES[comparison.board.rank_by].title}, over all frames: "
-            f"{LOST_IN[comparison.board.rank_by]}. In brackets intervals of 95 % for each number "
-            "by itself."
+            f"{LOST_IN[comparison.board.rank_by]}. Medians here count a lost frame as infinitely "
+            "wrong; those of the next table leave it out. In brackets intervals of 95 % for each "
+            "number by itself."
         ),
         figures=(Figure(svg_address(standing_figure(comparison)), "Standings with intervals"),),
         tables=(TitledTable("Leaderboard", tables.standing_table(comparison), wide=True),),
