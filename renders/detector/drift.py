@@ -15,6 +15,7 @@ import numpy as np
 
 from models.arrays import AnyArray, Floats, Radiance
 from models.camera import Camera
+from models.sensors.bayer_mosaic import BANDS
 from renders.detector.point_spread import blur
 from renders.scenario.drift_table import DriftTable
 from renders.tracing.light_groups import LampGroup, LightGroup
@@ -23,6 +24,7 @@ from renders.world.told_draws import drawn
 Part: TypeAlias = tuple[slice, slice]
 """Rows and columns of an image."""
 
+COLOURS = tuple(f"_{band.name}" for band in BANDS)
 LEAST = 0.2  # of what was: no draw turns a lamp off or a point spread inside out
 
 
@@ -73,7 +75,7 @@ class Drift:
         part : (slice, slice)
         """
         x, y = _field(camera, part)
-        power = drawn(self.run, f"drift.lamp_power.{name.removesuffix(_colour(name))}", 1)[0]
+        power = drawn(self.run, f"drift.lamp_power.{lamp_of(name)}", 1)[0]
         slope = self.table.lamp_tilt * drawn(self.run, "drift.lamp_tilt", 2)
         factor = 1.0 + self.table.lamp_power * power + slope[0] * x + slope[1] * y
         return np.maximum(factor, LEAST)
@@ -126,9 +128,15 @@ def drift_sigmas(table: DriftTable | None, sigma_px: float) -> dict[str, float]:
     return {key: sigma for key, sigma in told.items() if sigma > 0.0}
 
 
-def _colour(name: str) -> str:
-    """Return the end of a light group's name that tells its colour; empty where it has none."""
-    return next((end for end in ("_red", "_green", "_blue") if name.endswith(end)), "")
+def lamp_of(group: str) -> str:
+    """Return the name of a lamp, whatever colour of it a light group is of.
+
+    Parameters
+    ----------
+    group : str
+        Name of the light group.
+    """
+    return next((group.removesuffix(end) for end in COLOURS if group.endswith(end)), group)
 
 
 def _field(camera: Camera, part: Part) -> tuple[Floats, Floats]:
