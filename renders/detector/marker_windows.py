@@ -107,7 +107,9 @@ def cut_windows(
         if isinstance(group, LampGroup):
             lamps.setdefault(lamp_of(group.name), {})[group] = groups[group]
     lit = {name: np.array(rates_of(world, own, exposure)) for name, own in lamps.items()}
-    rest = {group: light for group, light in groups.items() if not isinstance(group, LampGroup)}
+    rest: dict[LightGroup, Radiance] = {
+        group: light for group, light in groups.items() if not isinstance(group, LampGroup)
+    }
     planes = next(iter(lit.values())) if lit else None
     others = np.array(rates_of(world, rest, exposure)) if rest else np.zeros_like(planes)
     sigma_px = world.scenario.simulated_optics.psf_sigma_px

@@ -50,6 +50,9 @@ RADIUS_M = {"pairs": 0.0127, "colour": 0.01}  # sections 3.1 and 3.2
 GAIN, READ_NOISE, BIAS_DN = 0.05, 0.1, 2.0
 
 
+AS_IT_WAS = DriftTable()  # type: ignore[call-arg]
+
+
 @dataclass(frozen=True)
 class ErrorSet:
     """1-sigmas of what is wrong in a run; 0 is exact.
@@ -82,7 +85,7 @@ class ErrorSet:
     intrinsics_px: float = 0.0
     radial: float = 0.0
     tangential: float = 0.0
-    drift: DriftTable = DriftTable()  # type: ignore[call-arg]
+    drift: DriftTable = AS_IT_WAS
     detector: float = 0.0
     installed: float = 0.0
     radius: float = 0.0
@@ -163,7 +166,7 @@ def with_error_set(scenario: Scenario, name: str) -> Scenario:
     """
     own = ERROR_SETS[name]
     kind = "colour" if scenario.frame_kind == "colour" else "pairs"
-    drifting = own.drift != DriftTable()  # type: ignore[call-arg]
+    drifting = own.drift != AS_IT_WAS
     changes = {
         "errors": name,
         "prior": _prior(own, kind, scenario.prior),
@@ -184,9 +187,7 @@ def _prior(own: ErrorSet, kind: str, before: PriorTable) -> PriorTable:
     }[kind if before.by is None else "pairs"]
     x, y, z = (own.prior * np.array(lengths)).tolist()
     alpha, beta, gamma = (own.prior * np.array(angles)).tolist()
-    return PriorTable(
-        by=before.by, sigma_t_m=(x, y, z), sigma_euler_deg=(alpha, beta, gamma)
-    )
+    return PriorTable(by=before.by, sigma_t_m=(x, y, z), sigma_euler_deg=(alpha, beta, gamma))
 
 
 def _told(own: ErrorSet, kind: str, scenario: Scenario) -> ToldTable:
@@ -209,7 +210,7 @@ def _told(own: ErrorSet, kind: str, scenario: Scenario) -> ToldTable:
         camera=ToldCameraTable(**{key: _one(s) for key, s in of_camera.items()})  # type: ignore[arg-type]
         if own.radial or own.tangential
         else None,
-        optics=ToldOpticsTable(),
+        optics=ToldOpticsTable(),  # type: ignore[call-arg]
         detector=ToldDetectorTable(
             **{key: _one(own.detector * s) for key, s in of_detector.items()}
         )

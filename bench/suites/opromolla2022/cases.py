@@ -8,9 +8,8 @@ from functools import cache
 from typing import Any
 
 from bench.report.pairs.published import REFERENCE
-from models.lights.sun import EYE_IN_HAND_SUNS_DEG, SUN_CASES_DEG
+from models.lights.sun import EYE_IN_HAND_SUNS_DEG, SUN_CASES_DEG, sun_direction
 from models.lights.sun_grid import NamedSun, azimuth_elevation_deg
-from models.lights.sun import sun_direction
 from renders.scenario.error_sets import ALONE
 
 CHASER, HAND = "chaser_fixed", "eye_in_hand"

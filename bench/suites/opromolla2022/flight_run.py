@@ -115,9 +115,7 @@ def fly(task: FlightTask, frames: str) -> Outcome:
     pattern = world.target.markers
     assert pattern is not None
     registered = registered_pipeline(flight.pipeline)
-    numbers = [
-        SEED_STRIDE * task.seed + task.first_run + number for number in range(task.runs)
-    ]
+    numbers = [SEED_STRIDE * task.seed + task.first_run + number for number in range(task.runs)]
     missions = {
         name: [_mission(plain, name, run, registered.make, task.variants) for run in numbers]
         for name in task.errors
