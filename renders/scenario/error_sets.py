@@ -96,7 +96,7 @@ class ErrorSet:
 
 
 def _drift(**shares: float) -> DriftTable:
-    return DriftTable(**shares)  # type: ignore[arg-type]
+    return DriftTable(**shares)
 
 
 ALONE = {
@@ -170,7 +170,7 @@ def with_error_set(scenario: Scenario, name: str) -> Scenario:
     changes = {
         "errors": name,
         "prior": _prior(own, kind, scenario.prior),
-        "calibration": CalibrationTable(  # type: ignore[call-arg]
+        "calibration": CalibrationTable(
             sigma_focal_px=own.intrinsics_px * scenario.pixel_scale,
             sigma_principal_point_px=own.intrinsics_px * scenario.pixel_scale,
         ),
@@ -207,7 +207,7 @@ def _told(own: ErrorSet, kind: str, scenario: Scenario) -> ToldTable:
     if own.radius:
         markers["radius_m"] = _one(own.radius * RADIUS_M[kind])
     return ToldTable(
-        camera=ToldCameraTable(**{key: _one(s) for key, s in of_camera.items()})  # type: ignore[arg-type]
+        camera=ToldCameraTable(**{key: _one(s) for key, s in of_camera.items()})
         if own.radial or own.tangential
         else None,
         optics=ToldOpticsTable(),  # type: ignore[call-arg]

@@ -38,7 +38,6 @@ from renders.truth.exposure_truth import ExposureTruth
 from renders.variant.choice import choose_variant
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
-from renders.world.world import World
 
 MEMORY_GB = 4.0
 REACH_RADII, REACH_PX = 1.3, 6.0  # round a marker: what any fit looks at

@@ -165,13 +165,13 @@ def sun_table(suns: Iterable[MappedSun]) -> Table:
     for own in suns:
         cells = [own.sun]
         for variant in SHOWN:
-            one, told = own.verdicts[variant], own.per_frame[variant]
+            one, frames = own.verdicts[variant], own.per_frame[variant]
             cells += [
                 one.colour,
                 f"{one.poses} of {one.frames}",
                 f"{one.posed_of_whole} of {one.all_whole}",
                 count(one.overconfident),
-                number(told.position_mm[2] if told.position_mm else None),
+                number(frames.position_mm[2] if frames.position_mm else None),
             ]
         rows.append(cells)
     return Table(head, rows, {}, {})
