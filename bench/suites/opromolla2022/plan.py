@@ -219,10 +219,16 @@ class Plan:
             )
         return units
 
-    def price(self) -> Price:
-        """Return what is left to do, as thought before any of it was done."""
+    def price(self, flights: Many[FlightFrames]) -> Price:
+        """Return what rendering some flights takes, as thought before any of it was done.
+
+        Parameters
+        ----------
+        flights : sequence of FlightFrames
+            Those of which something is still to be flown.
+        """
         frames, render_s, size = 0, 0.0, 0.0
-        for flight in self.flights:
+        for flight in flights:
             camera = flight.scenario.simulated_camera
             pixels = camera.width * camera.height
             bands = 2 if flight.scenario.frame_kind == "pairs" else 1

@@ -14,6 +14,7 @@ from bench.report.numbers import count, number
 from bench.scoring.score import rounded
 from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
+from bench.suites.opromolla2022.frame_making import FlightFrames
 from bench.suites.opromolla2022.page import write_suite_page
 from bench.suites.opromolla2022.plan import PARTS, QUICK, VARIANTS, Plan, Sizes
 from bench.suites.opromolla2022.results import FlownSequence, Outcomes
@@ -70,11 +71,11 @@ def run_plan(
     """
     folder = plan.out / "units"
     left = [unit for unit in plan.units if not is_done(folder, unit)]
-    _announce(plan, left, workers, console)
-    flown = {unit.reads for unit in left}
-    for flight in plan.flights:
-        if str(flight.folder) in flown:  # what is flown needs no frames any more
-            flight.make(store, budget, "auto", console)
+    to_be_flown = {unit.reads for unit in left}  # what is flown needs no frames any more
+    flights = [flight for flight in plan.flights if str(flight.folder) in to_be_flown]
+    _announce(plan, flights, left, workers, console)
+    for flight in flights:
+        flight.make(store, budget, "auto", console)
     do_units(plan.units, folder, workers, console)
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
@@ -84,9 +85,15 @@ def run_plan(
     return SuiteFiles(score, page, _summary(results.sequences))
 
 
-def _announce(plan: Plan, left: Sequence[WorkUnit], workers: int, console: Console) -> None:
+def _announce(
+    plan: Plan,
+    flights: Sequence[FlightFrames],
+    left: Sequence[WorkUnit],
+    workers: int,
+    console: Console,
+) -> None:
     """Say what all of it will take before any of it is done."""
-    price = plan.price()
+    price = plan.price(flights)
     flown_s = sum(unit.expected_s for unit in left)
     frames = "no frames are" if not price.frames else f"{price.frames} frames are"
     console.print(

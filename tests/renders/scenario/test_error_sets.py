@@ -1,4 +1,4 @@
-"""Named sets of errors: what each tells, that draws are shared between sets, and what is refused."""
+"""Named sets of errors: what each tells, that sets share draws, and what is refused."""
 
 from pathlib import Path
 
@@ -63,7 +63,8 @@ def test_a_scenario_names_its_set_and_reads_back_as_it_was_written(tmp_path: Pat
     path = tmp_path / "own.toml"
     path.write_text('name = "own"\nerrors = "realistic"\n')
     first = read_scenario(path)
-    assert first.drift is not None and first.calibration.sigma_focal_px > 0.0
+    assert first.drift is not None
+    assert first.calibration.sigma_focal_px > 0.0
     path.write_text(first.to_toml())
     assert read_scenario(path).fingerprint() == first.fingerprint()
 

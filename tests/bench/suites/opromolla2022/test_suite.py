@@ -138,6 +138,6 @@ def test_sizes_are_asked_for_by_option(tmp_path: Path) -> None:
 
 def test_the_price_is_of_what_is_left(painted: Path) -> None:
     plan = Plan(SIZES, painted, (*PARTS_HERE, "S2"))
-    price = plan.price()
+    price = plan.price(plan.flights)
     assert price.frames == 2  # of S2: those of S7 are there
     assert price.render_s > 0.0 < price.size_gb
