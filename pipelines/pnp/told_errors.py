@@ -67,7 +67,10 @@ def place_covariance_px2(
 
     Parameters
     ----------
-    camera, points_in_target, pose, sigmas : as for ``common_covariance_px2``
+    camera : Camera
+    points_in_target : (n, 3) array, m
+    pose : RigidTransform
+    sigmas : mapping of str to float
     """
     by_place = _by_place(camera, points_in_target, pose)
     return np.asarray(sigmas.get(PLACE, 0.0) ** 2 * by_place @ by_place.transpose(0, 2, 1))

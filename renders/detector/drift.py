@@ -55,6 +55,10 @@ class Drift:
         ----------
         groups : mapping of LightGroup to (height, width) arrays, W m-2 sr-1
         camera : Camera
+
+        Returns
+        -------
+        dict of LightGroup to (height, width) arrays, W m-2 sr-1
         """
         whole = (slice(0, camera.height), slice(0, camera.width))
         return {
@@ -73,6 +77,10 @@ class Drift:
             Of the lamp's light group; all colours of a lamp drift alike.
         camera : Camera
         part : (slice, slice)
+
+        Returns
+        -------
+        (rows, columns) array
         """
         x, y = _field(camera, part)
         power = drawn(self.run, f"drift.lamp_power.{lamp_of(name)}", 1)[0]
@@ -81,7 +89,17 @@ class Drift:
         return np.maximum(factor, LEAST)
 
     def darkened(self, camera: Camera, part: Part) -> Floats:
-        """Return the light that comes through at each pixel of a part, over what did."""
+        """Return the light that comes through at each pixel of a part, over what did.
+
+        Parameters
+        ----------
+        camera : Camera
+        part : (slice, slice)
+
+        Returns
+        -------
+        (rows, columns) array
+        """
         x, y = _field(camera, part)
         share = self.table.vignetting * drawn(self.run, "drift.vignetting", 1)[0]
         return np.maximum(1.0 + 0.5 * share * (x**2 + y**2), LEAST)
@@ -97,6 +115,10 @@ class Drift:
             Of the point spread as it was.
         camera : Camera
         part : (slice, slice)
+
+        Returns
+        -------
+        (rows, columns) array
         """
         wider, over_field = drawn(self.run, "drift.blur", 2)
         middle_px = sigma_px * max(1.0 + self.table.blur * wider, LEAST)

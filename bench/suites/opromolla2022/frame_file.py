@@ -54,7 +54,14 @@ class OnceExposed:
 
 
 def frame_path(folder: Path, sun: str, index: int) -> Path:
-    """Return where a frame lies below the folder of its flight."""
+    """Return where a frame lies below the folder of its flight.
+
+    Parameters
+    ----------
+    folder : Path
+    sun : str
+    index : int
+    """
     return folder / sun / f"{index:06d}.npz"
 
 

@@ -152,6 +152,17 @@ class FlightFrames:
     ) -> int:
         """Render what is missing; return how many frames that were.
 
+        Parameters
+        ----------
+        store : Path or None
+            Where light is kept; the house's cache unless given.
+        budget_bytes : float or None
+            What that may take.
+        variant : str
+            auto, llvm, cuda or scalar.
+        console : Console
+            For progress.
+
         Raises
         ------
         ScenarioError, StorageError, VariantError
@@ -249,7 +260,15 @@ def _no_image(index: int) -> Image:
 def marker_places(
     camera: Camera, markers: MarkerPattern, pose: RigidTransform
 ) -> tuple[Floats, Floats]:
-    """Return where markers are in an image, (n, 2) px, and how far round each a fit looks, px."""
+    """Return where markers are in an image, (n, 2) px, and how far round each a fit looks, (n,) px.
+
+    Parameters
+    ----------
+    camera : Camera
+    markers : MarkerPattern
+    pose : RigidTransform
+        ``cam_from_target``.
+    """
     in_cam = pose @ markers.points_in_target
     with np.errstate(divide="ignore"):
         radius_px = np.where(in_cam[:, 2] > 0.0, camera.fx * markers.radius_m / in_cam[:, 2], 0.0)

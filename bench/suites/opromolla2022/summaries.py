@@ -179,7 +179,15 @@ class BesideThePaper:
 def beside_the_paper(
     own: Statistics, exact: Statistics, paper_std: Many[float]
 ) -> list[BesideThePaper]:
-    """Hold ``best`` to the paper's table, parameter by parameter."""
+    """Hold ``best`` to the paper's table, parameter by parameter.
+
+    Parameters
+    ----------
+    own, exact : Statistics
+        Of ``best``, and of exact centroids.
+    paper_std : sequence of 6 floats
+        As printed, cm and deg.
+    """
     return [
         BesideThePaper(
             abs(mean) <= STANDARD_ERRORS * spread,
