@@ -34,9 +34,9 @@ class Suite:
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
     what is left is told as it runs. vinag2018 (parts leo, geo, model, lasting, mask, faults,
-    sampling, availability, dataset) takes a night of two cores, with --quick less than half an
-    hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as S2
-    or E-SB) renders its frames; what that takes is told before it starts.
+    sampling, availability, stars, dataset) takes a night of two cores, with --quick less than half
+    an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as
+    S2 or E-SB) renders its frames; what that takes is told before it starts.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]
@@ -53,7 +53,8 @@ class Suite:
     """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
     opromolla2022 (100)"""
     acquisitions: OptionalCount = None
-    """acquisitions of each case (1000, of which the paper's table takes the first 100)"""
+    """acquisitions of each case (1000, of which the paper's table takes the first 100), or
+    attitudes of vinag2018's star camera (1000)"""
     seeds: OptionalCount = None
     """runs of each cell where the paper has a single one (10), or none (opromolla2022: 20 under
     each error alone)"""
