@@ -13,6 +13,8 @@ from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
 from models.sensors.camera_chip import Detector
 from models.spacecraft.retroreflector_optics import cubes_behind
 from models.wireframe.wireframe import Wireframe
+from renders.detector.drift import drift_sigmas
+from renders.scenario.drift_table import DriftTable
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
 from renders.world.arm_told import FirstPoseByArm, ToldArm
 from renders.world.bodies import Bodies
@@ -75,6 +77,8 @@ class BeforeFlight:
         How what is told differs from all this.
     arm : ToldArm or None
         The chaser's arm, where it moves.
+    drift : DriftTable or None
+        What lamps and lens have become; its sigmas are told.
     """
 
     camera: Camera
@@ -87,6 +91,7 @@ class BeforeFlight:
     psf_sigma_px: float = 0.0
     told: ToldTable | None = None
     arm: ToldArm | None = None
+    drift: DriftTable | None = None
 
     def in_run(self, run: int) -> OnboardKnowledge:
         """Return what a run has on board: its own prior, and its own errors of all that is told.
@@ -116,6 +121,7 @@ class BeforeFlight:
             wireframe=self.wireframe,
             expectations=self.expectations,
             psf_sigma_px=self.psf_sigma_px,
+            sigmas=drift_sigmas(self.drift, self.psf_sigma_px),
             tables={} if self.arm is None else self.arm.tables(run),
         )
         return told(true, self.told, self.calibration, run)
