@@ -55,7 +55,7 @@ def dark_lines(tx: Any, ty: Any) -> list[tuple[Any, Any]]:
 
 
 def face_axes(normal: Floats) -> tuple[Floats, Floats]:
-    """Return two unit vectors in a face, the first along one of its cube's edges.
+    """Return two unit vectors in a face, (3,) each, the first along one of its cube's edges.
 
     How a cube is turned about its normal where nobody says otherwise: an edge lies over the x axis
     of the target as far as the face has it, or over -y where the face is turned to x.

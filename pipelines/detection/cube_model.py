@@ -94,7 +94,17 @@ class CubeFace:
         return np.array([EVEN_SIGMA, EDGE_SIGMA])
 
     def covers(self, x: Floats, y: Floats) -> Mask:
-        """Tell which places, from the centre, px, lie where the aperture is sure to be open."""
+        """Tell which places lie where the aperture is sure to be open.
+
+        Parameters
+        ----------
+        x, y : (1, width) and (height, 1) arrays, px
+            From the predicted centre.
+
+        Returns
+        -------
+        (height, width) array of bool
+        """
         form = self.shape_inverse
         ellipse = form[0, 0] * x**2 + 2.0 * form[0, 1] * x * y + form[1, 1] * y**2
         return np.asarray(ellipse < max(self.template.aperture_share, 0.05) ** 2)

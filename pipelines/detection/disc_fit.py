@@ -61,10 +61,32 @@ class Appearance(Protocol):
         """(k,) array, 1-sigma of them."""
 
     def covers(self, x: Floats, y: Floats) -> Mask:
-        """Tell which places, from the predicted centre, px, are bright."""
+        """Tell which places are bright.
+
+        Parameters
+        ----------
+        x, y : (1, width) and (height, 1) arrays, px
+            From the predicted centre.
+
+        Returns
+        -------
+        (height, width) array of bool
+        """
 
     def model(self, x: Floats, y: Floats, parameters: DiscParameters) -> tuple[Floats, Floats]:
-        """Return the image, and its derivatives by the 9 + k parameters."""
+        """Return the image, and its derivatives by the 9 + k parameters.
+
+        Parameters
+        ----------
+        x, y : (1, width + 2) and (height + 2, 1) arrays, px
+            Columns and rows of the window and one pixel round it, from the predicted centre.
+        parameters : DiscParameters
+
+        Returns
+        -------
+        model : (height, width) array, DN
+        design : (9 + k, height, width) array
+        """
 
 
 @dataclass(frozen=True)

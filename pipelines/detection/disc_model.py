@@ -86,6 +86,10 @@ def exchanged(images: Floats, share: float) -> Floats:
     images : (..., height + 2, width + 2) array
     share : float
         Of a pixel's charge that each neighbour along a row or column gets.
+
+    Returns
+    -------
+    (..., height, width) array
     """
     keep = 1.0 - 2.0 * share
     rows = keep * images[..., 1:-1] + share * (images[..., 2:] + images[..., :-2])
@@ -189,10 +193,32 @@ class EvenDisc:
         return np.zeros(0)
 
     def covers(self, x: Floats, y: Floats) -> Mask:
-        """Tell which places, from the centre, px, it is expected to cover."""
+        """Tell which places it is expected to cover.
+
+        Parameters
+        ----------
+        x, y : (1, width) and (height, 1) arrays, px
+            From the predicted centre.
+
+        Returns
+        -------
+        (height, width) array of bool
+        """
         form = self.shape_inverse
         return np.asarray(form[0, 0] * x**2 + 2.0 * form[0, 1] * x * y + form[1, 1] * y**2 < 1.0)
 
     def model(self, x: Floats, y: Floats, parameters: DiscParameters) -> tuple[Floats, Floats]:
-        """Return ``disc_model``."""
+        """Return ``disc_model``.
+
+        Parameters
+        ----------
+        x, y : (1, width + 2) and (height + 2, 1) arrays, px
+            Columns and rows of the window and one pixel round it, from the predicted centre.
+        parameters : DiscParameters
+
+        Returns
+        -------
+        model : (height, width) array, DN
+        design : (9 + k, height, width) array
+        """
         return disc_model(x, y, self.shape_inverse, self.radius, parameters)
