@@ -33,6 +33,10 @@ function startPlots() {
   const twice = (line) => line.kind === "band" || line.kind === "bound";
   const negated = (values) => values.map((value) => value === null ? null : -value);
 
+  // What others state of themselves would bury the errors: it is there when asked for.
+  const shownFirst = (line) =>
+    !line.pipeline || line.pipeline === data.leading || ["line", "steps"].includes(line.kind);
+
   function wantsLog(plot) {
     if (plot.lines.some((line) => twice(line) || line.kind === "steps")) return false;
     const there = plot.lines.flatMap((line) => line.values).filter((value) => value !== null);
@@ -57,13 +61,13 @@ function startPlots() {
     });
     const ink = colourOf("--soft"), grid = colourOf("--line");
     const axis = { stroke: ink, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid } };
-    const log = wantsLog(own.plot);
+    const log = wantsLog(own.plot), counts = own.plot.lines.every((line) => line.kind === "steps");
     own.uplot = new uPlot({
       width: Math.max(200, own.holder.clientWidth),
       height: 210,
       legend: { show: false },
       cursor: { drag: { x: true, y: false }, points: { show: false } },
-      scales: { x: { time: false }, y: log ? { distr: 3 } : {} },
+      scales: { x: { time: false }, y: log ? { distr: 3 } : counts ? { range: (_, __, most) => [0, 1.1 * most + 1] } : {} },
       axes: [{ ...axis, size: 34 }, { ...axis, size: 58, values: (_, ticks) =>
         ticks.map((tick) => tick === null ? "" : String(Number(tick.toPrecision(6)))) }],
       series,
@@ -127,7 +131,7 @@ function startPlots() {
     plot.lines.forEach((line, number) => {
       own.swatches.push(made("span", { className: `swatch ${line.kind}` }));
       own.values.push(made("span", { className: "value" }));
-      const label = toggle(line.label, true, (on) => {
+      const label = toggle(line.label, shownFirst(line), (on) => {
         const first = own.first[number];
         own.uplot.setSeries(first, { show: on });
         if (twice(line)) own.uplot.setSeries(first + 1, { show: on });

@@ -71,7 +71,7 @@ function startScene() {
   const trueCameras = own.true.map((pose) => pose && cameraOf(pose));
   const trailPoints = trueCameras.filter(Boolean).map((each) => each.place);
   if (trailPoints.length) parts.trail.add(lines(trailPoints, "#7f93a3", true), dots(trailPoints, "#7f93a3", 3));
-  if (own.markers.length) parts.markers.add(dots(own.markers.map(vector), "#ff4d40", 6));
+  if (own.markers.length) parts.markers.add(dots(own.markers.map(vector), "#ff4d40", 4));
   if (own.edges.length) parts.target.add(lines(own.edges.flat().map(vector), "#8fa3b3"));
   let radius = Math.max(1, ...own.markers.flat().map(Math.abs), ...own.edges.flat(2).map(Math.abs));
   if (own.glb) {
@@ -144,7 +144,7 @@ function startScene() {
     const aside = new three.Vector3().crossVectors(eye.up, first).normalize();
     const from = first.add(aside.multiplyScalar(1.2)).addScaledVector(eye.up, 0.6).normalize();
     controls.target.set(0, 0, 0);
-    eye.position.copy(from.multiplyScalar(2.2 * reach));
+    eye.position.copy(from.multiplyScalar(1.9 * reach));
     eye.near = 0.002 * reach;
     eye.far = 50 * reach;
     eye.updateProjectionMatrix();
@@ -179,7 +179,7 @@ function startScene() {
     }
     const sun = own.sun_in_target[shown.place];
     if (sun) {
-      parts.Sun.add(new three.ArrowHelper(vector(sun), new three.Vector3(), 1.3 * radius, "#f5c542",
+      parts.Sun.add(new three.ArrowHelper(vector(sun), new three.Vector3(), 0.7 * radius, "#f5c542",
         0.08 * radius, 0.05 * radius));
       light.position.copy(vector(sun));
     }
