@@ -101,9 +101,7 @@ def layers(record: FrameRecord) -> list[Layer]:
     if record.truth is not None:
         seen = [
             pixel
-            for pixel, visible in zip(
-                record.truth.markers_px, record.truth.visible, strict=True
-            )
+            for pixel, visible in zip(record.truth.markers_px, record.truth.visible, strict=True)
             if visible > 0.0 and np.isfinite(pixel).all()
         ]
         found.append(Layer("truth", True, "ticks", tuple(seen)))
@@ -112,9 +110,7 @@ def layers(record: FrameRecord) -> list[Layer]:
         inside = record.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
         names = np.array(markers_of(record).names)[inside]
         labels = tuple(str(name) for name in names)
-        found.append(
-            Layer("reprojections", False, "diamond", tuple(reprojections[inside]), labels)
-        )
+        found.append(Layer("reprojections", False, "diamond", tuple(reprojections[inside]), labels))
     if record.estimate is not None:
         said = record.estimate.detected
         dim = tuple(marker < 0 for marker in said.marker)

@@ -1,4 +1,4 @@
-"""Numbers against time that a reader may explore: what a chain gives, and the plot that all share."""
+"""Numbers against time that a reader may explore: what a chain gives, and what all share."""
 
 from __future__ import annotations
 

@@ -91,9 +91,7 @@ class Opened:
 
     def pixels(self, name: str) -> str:
         """Return a canvas as text."""
-        return self.page.evaluate(
-            f"document.querySelector('#explorer-{name} canvas').toDataURL()"
-        )
+        return self.page.evaluate(f"document.querySelector('#explorer-{name} canvas').toDataURL()")
 
 
 @pytest.fixture

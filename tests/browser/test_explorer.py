@@ -1,4 +1,4 @@
-"""The page in a browser: one slider moves all, keys reach all, nothing is fetched, nothing spills."""
+"""A page in a browser: one slider moves all, keys reach all, nothing is fetched or spills."""
 
 from __future__ import annotations
 

@@ -47,9 +47,7 @@ def display_mesh(craft: Spacecraft, most: int = MOST_FACES) -> bytes:
     surfaces = []
     for shade, pieces in sorted(by_shade.items()):
         body = welded(np.concatenate(pieces))
-        surfaces.append(
-            Surface(f"shade_{shade:g}", body.points, body.faces, (shade, shade, shade))
-        )
+        surfaces.append(Surface(f"shade_{shade:g}", body.points, body.faces, (shade, shade, shade)))
     return glb_bytes(surfaces)
 
 

@@ -1,4 +1,4 @@
-"""Triangles as binary glTF 2.0: what a page's scene loads; the same bytes for the same triangles."""
+"""Triangles as binary glTF 2.0, for a page's scene; the same bytes for the same triangles."""
 
 from __future__ import annotations
 
@@ -49,7 +49,9 @@ def glb_bytes(surfaces: Sequence[Surface]) -> bytes:
     ValueError
         If a surface has no triangle.
     """
-    binary, views, accessors = bytearray(), [], []
+    binary = bytearray()
+    views: list[dict[str, Any]] = []
+    accessors: list[dict[str, Any]] = []
 
     def view(data: bytes, target: int) -> int:
         views.append(

@@ -49,7 +49,9 @@ class Previews:
         address = ""
         for place in range(min(self._start, len(widths) - 1), len(widths)):
             shape = (widths[place], max(1, round(height * widths[place] / width)))
-            small = single if place == 0 else cv2.resize(single, shape, interpolation=cv2.INTER_AREA)
+            small = single
+            if place > 0:
+                small = cv2.resize(single, shape, interpolation=cv2.INTER_AREA)
             levels = np.rint(255.0 * stretch(small, self.detector)).astype(np.uint8)
             address = jpeg(levels if levels.ndim == 3 else np.repeat(levels[:, :, None], 3, axis=2))
             if len(address) <= self.most_bytes:

@@ -1,4 +1,4 @@
-"""What the explorer is given: numbers of score.json, marks of the pictures, text that runs nothing."""
+"""What the explorer is given: score.json's numbers, the pictures' marks, text that runs nothing."""
 
 from __future__ import annotations
 
@@ -174,7 +174,8 @@ def test_a_glb_holds_the_triangles_given():
     tree = json.loads(data[20 : 20 + chunk])
     start = 20 + chunk + 8
     place = tree["bufferViews"][0]["byteLength"]
-    assert np.array_equal(np.frombuffer(data[start : start + place], "<f4").reshape(-1, 3), vertices)
+    corners = np.frombuffer(data[start : start + place], "<f4")
+    assert np.array_equal(corners.reshape(-1, 3), vertices)
     indices = np.frombuffer(data[start + place : start + place + 24], "<u4")
     assert np.array_equal(indices.reshape(-1, 3), faces)
     with pytest.raises(ValueError, match="expected triangles"):
