@@ -93,7 +93,7 @@ function startPicture() {
       canvas.dataset.frame = data.frames[place].frame;
       draw();
     };
-    image.src = pictures[place];
+    image.src = `data:image/jpeg;base64,${pictures[place]}`;
   }
 
   function draw() {

@@ -36,7 +36,7 @@ class Previews:
         self._start = 0
 
     def preview(self, signal_dn: Floats) -> str:
-        """Return a frame as a ``data:`` address, as wide as its share of the budget allows.
+        """Return a frame as JPEG in base64, as wide as its share of the budget allows.
 
         Parameters
         ----------
@@ -46,18 +46,19 @@ class Previews:
         height, width = signal_dn.shape[:2]
         single = signal_dn.astype(np.float32)
         widths = [width, *(each for each in WIDTHS_PX if each < width)]
-        address = ""
+        text = ""
         for place in range(min(self._start, len(widths) - 1), len(widths)):
             shape = (widths[place], max(1, round(height * widths[place] / width)))
             small = single
             if place > 0:
                 small = cv2.resize(single, shape, interpolation=cv2.INTER_AREA)
             levels = np.rint(255.0 * stretch(small, self.detector)).astype(np.uint8)
-            address = jpeg(levels if levels.ndim == 3 else np.repeat(levels[:, :, None], 3, axis=2))
-            if len(address) <= self.most_bytes:
+            colours = levels if levels.ndim == 3 else np.repeat(levels[:, :, None], 3, axis=2)
+            text = jpeg(colours).partition(",")[2]
+            if len(text) <= self.most_bytes:
                 break
         self._start = max(0, place - 1)  # the next is like this one: try one step wider
-        return address
+        return text
 
 
 def shown_places(frames: int) -> set[int]:
