@@ -14,7 +14,8 @@ from models.spacecraft.wireframes import wireframe_by_name
 from models.wireframe.visibility import visible_edge_pieces
 
 CAMERA = Camera.from_fov(width=640, height=640, fov_deg=40.0)
-CAM_FROM_TARGET = RigidTransform(
+TURN = rotation_from_euler_321([20.0, 35.0, -50.0])
+CAM_FROM_TARGET = RigidTransform(TURN, np.array([0.0, 0.0, 40.0]))
     rotation_from_euler_321([20.0, 35.0, -50.0]), np.array([0, 0, 40.0])
 )
 ROUNDING_PX = 1e-6
@@ -34,7 +35,7 @@ def test_polylines_are_the_seen_pieces(camera, within_px):
     flat = CAM_FROM_TARGET @ pieces.points_in_target.reshape(-1, 3)
     pixels = camera.project(flat).reshape(*pieces.visible.shape, 2)
     both = pieces.visible[:, 1:] & pieces.visible[:, :-1]
-    drawn = [pair for pair in np.stack([pixels[:, :-1], pixels[:, 1:]], axis=2)[both]]
+    drawn = list(np.stack([pixels[:, :-1], pixels[:, 1:]], axis=2)[both])
     lines = list(edge_lines_px(camera, target, CAM_FROM_TARGET))
     assert lengths(lines) == pytest.approx(lengths(drawn), abs=within_px * len(lines))
     places = pixels.reshape(-1, 2)
