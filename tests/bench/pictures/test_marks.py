@@ -16,8 +16,6 @@ from models.wireframe.visibility import visible_edge_pieces
 CAMERA = Camera.from_fov(width=640, height=640, fov_deg=40.0)
 TURN = rotation_from_euler_321([20.0, 35.0, -50.0])
 CAM_FROM_TARGET = RigidTransform(TURN, np.array([0.0, 0.0, 40.0]))
-    rotation_from_euler_321([20.0, 35.0, -50.0]), np.array([0, 0, 40.0])
-)
 ROUNDING_PX = 1e-6
 SAG_PX = 0.1  # of an eighth of an edge, by this lens
 
