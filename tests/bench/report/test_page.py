@@ -40,7 +40,7 @@ class Page(HTMLParser):
         self.fetched += [value for key, value in attrs if key in REFERENCES and value]
 
     def handle_data(self, data):
-        if self.tags[-1] not in ("style", "script"):
+        if self.tags[-1:] not in (["style"], ["script"]):
             self.words.append(data)
 
     @property
