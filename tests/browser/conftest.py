@@ -76,14 +76,13 @@ class Opened:
 
     def wait_for_frame(self, frame: str) -> None:
         """Wait until picture, scene and plots all show a frame."""
-        self.page.wait_for_function(
-            """frame => ['picture', 'scene'].every(name =>
-                 document.querySelector(`#explorer-${name} canvas`).dataset.frame === frame)
-               && [...document.querySelectorAll('.now')].length > 0
-               && [...document.querySelectorAll('.now')].every(x =>
-                 Number(x.dataset.time) === 10 * Number(frame))""",
-            arg=frame,
-        )
+        shows_it = """frame => ['picture', 'scene'].every(name =>
+             document.querySelector(`#explorer-${name} canvas`).dataset.frame === frame)
+           && document.querySelectorAll('.now').length > 0
+           && [...document.querySelectorAll('.now')].every(x =>
+             Number(x.dataset.time) === 10 * Number(frame))"""
+        while not self.page.evaluate(shows_it, frame):  # wait_for_function would need `eval`
+            self.page.wait_for_timeout(50)
 
     def value(self, name: str, key: str) -> str:
         """Return what a canvas tells of itself."""

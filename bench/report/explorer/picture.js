@@ -52,7 +52,7 @@ function startPicture() {
   }
 
   // The preview's levels undone to shares of full well, then the curve chosen.
-  function stretch() {
+  function regrey() {
     if (!levels) return;
     const top8 = Math.asinh(1 / softening);
     const curves = {
@@ -89,7 +89,7 @@ function startPicture() {
       const own = still.getContext("2d", { willReadFrequently: true });
       own.drawImage(image, 0, 0);
       levels = own.getImageData(0, 0, still.width, still.height);
-      stretch();
+      regrey();
       canvas.dataset.frame = data.frames[place].frame;
       draw();
     };
@@ -172,9 +172,9 @@ function startPicture() {
     draw();
   })));
   bar.append(choice("greys", [["asinh", "asinh"], ["linear", "linear"], ["root", "square root"],
-    ["log", "logarithm"]], (value) => { curve = value; stretch(); draw(); }));
+    ["log", "logarithm"]], (value) => { curve = value; regrey(); draw(); }));
   const gain = made("input", { type: "range", min: -2, max: 8, step: 0.5, value: 0 });
-  gain.addEventListener("input", () => { stops = Number(gain.value); stretch(); draw(); });
+  gain.addEventListener("input", () => { stops = Number(gain.value); regrey(); draw(); });
   bar.append(made("label", {}, "brighter ", gain));
   bar.append(button("+", () => zoomBy(1.5)), button("−", () => zoomBy(1 / 1.5)),
     button("1:1", () => zoomBy(1 / zoom)), button("fit", () => { fit(); draw(); }));

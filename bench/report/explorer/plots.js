@@ -85,6 +85,8 @@ function startPlots() {
   function listen(uplot, own) {
     own.now = made("div", { className: "now" });
     uplot.over.append(own.now);
+    own.uplot = uplot;
+    place(own);
     let from = 0;
     uplot.over.addEventListener("mousedown", (event) => { from = event.clientX; });
     uplot.over.addEventListener("click", (event) => {

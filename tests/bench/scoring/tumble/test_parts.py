@@ -176,7 +176,7 @@ def test_limits_share_out_all_frames(best):
 
 def test_the_report_holds_everything(written):
     text = api.report(written.folder).read_text()
-    assert text.count("data:image/jpeg;base64,") == 1 + FRAMES
+    assert text.count('src="data:image/jpeg;base64,') == 1 + FRAMES
     assert "half turn about z" in text
     assert "too dark" in text
     assert "does not hold" in text
