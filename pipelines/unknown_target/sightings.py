@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import Floats, Indices, Mask
+from pipelines.unknown_target.facet_in_sight import Facets
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +91,19 @@ class Ranges:
     frame : (m,) int array
         Place among the epochs.
     range_m, sigma_m : (m,) array, m
+    facets : Facets
+        Between which points each beam fell, as that image showed them.
     """
 
     frame: Indices
     range_m: Floats
     sigma_m: Floats
+    facets: Facets
 
     @classmethod
     def none(cls) -> Ranges:
         """Return none at all."""
-        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), Facets.none(0))
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -111,18 +115,23 @@ class Ranges:
         ----------
         which : (m,) bool array or slice
         """
-        return Ranges(self.frame[which], self.range_m[which], self.sigma_m[which])
+        return Ranges(
+            self.frame[which], self.range_m[which], self.sigma_m[which], self.facets.take(which)
+        )
 
-    def with_one(self, frame: int, range_m: float, sigma_m: float) -> Ranges:
+    def with_one(self, frame: int, range_m: float, sigma_m: float, facet: Facets) -> Ranges:
         """Return these and one more.
 
         Parameters
         ----------
         frame : int
         range_m, sigma_m : float, m
+        facet : Facets
+            One.
         """
         return Ranges(
             np.append(self.frame, frame),
             np.append(self.range_m, range_m),
             np.append(self.sigma_m, sigma_m),
+            self.facets.followed_by(facet),
         )

@@ -1,0 +1,115 @@
+"""The beginning: images are gathered until two of them tell how the target turns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from models.arrays import Mask
+from models.camera import Camera
+from pipelines.unknown_target.start_guess import StartGuess
+from pipelines.unknown_target.tracked_frame import TrackedFrame
+from pipelines.unknown_target.two_view_start import TwoViews, two_views
+
+MOST_GATHERED = 60  # images, beyond which the oldest go
+FEWEST_TRACKS = 30  # of an image that may be the first
+UNKNOWN_RANGE_M, UNKNOWN_SIGMA = 20.0, 0.5  # where nothing tells of it; relative
+SIGMA_M_S = 0.02  # two spacecraft that stay together drift by millimetres a second
+
+
+@dataclass(frozen=True, eq=False)
+class Started:
+    """What to begin from.
+
+    Attributes
+    ----------
+    guess : StartGuess
+    frames : list of TrackedFrame
+        All so far, without the tracks that do not move as most do.
+    """
+
+    guess: StartGuess
+    frames: list[TrackedFrame]
+
+
+class ImageStart:
+    """Gathers images.
+
+    Parameters
+    ----------
+    camera : Camera
+    mean_motion_rad_s : float, rad/s
+    range_m : (float, float) or None, m
+        Nearest and farthest, where a coarse range is known.
+    """
+
+    def __init__(
+        self, camera: Camera, mean_motion_rad_s: float, range_m: tuple[float, float] | None
+    ) -> None:
+        self._camera, self._motion, self._range_m = camera, mean_motion_rad_s, range_m
+        self._frames: list[TrackedFrame] = []
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def take(self, frame: TrackedFrame) -> Started | None:
+        """Take in an image; return what to begin from once there is enough."""
+        if not self._frames and len(frame.tracks) < FEWEST_TRACKS:
+            return None
+        self._frames.append(frame)
+        views = two_views(self._camera, self._motion, self._frames[0], frame)
+        if views is not None:
+            return self._started(views)
+        del self._frames[:-MOST_GATHERED]
+        while self._frames and len(self._frames[0].tracks) < FEWEST_TRACKS:
+            del self._frames[0]
+        return None
+
+    def _started(self, views: TwoViews) -> Started:
+        first = self._frames[0]
+        rays = self._camera.normalise(first.points_px)
+        middle, extent = np.median(rays, axis=0), float(np.ptp(rays, axis=0).max())
+        depth_m, sigma_m = self._depth()
+        size_m = max(0.35 * extent * depth_m, 0.1)
+        in_cam = np.array([*(middle * depth_m), depth_m])
+        guess = StartGuess(
+            -first.R_cam_from_lvlh.T @ in_cam,
+            float(np.hypot(sigma_m, 0.5 * size_m)),
+            sigma_m_s=SIGMA_M_S,
+            omega_in_target=views.omega_in_target,
+            sigma_rad_s=views.sigma_rad_s,
+            size_m=size_m,
+        )
+        return Started(guess, without(self._frames, views))
+
+    def _depth(self) -> tuple[float, float]:
+        """Return how far the target is thought to be, and how well that is known, m."""
+        read = [frame.range_m for frame in self._frames if frame.range_m is not None]
+        if read:
+            return float(np.median(read)), 0.0
+        if self._range_m is not None:
+            near, far = self._range_m
+            return 0.5 * (near + far), 0.5 * (far - near)
+        return UNKNOWN_RANGE_M, UNKNOWN_SIGMA * UNKNOWN_RANGE_M
+
+
+def without(frames: Sequence[TrackedFrame], views: TwoViews) -> list[TrackedFrame]:
+    """Return frames without the tracks that disagree.
+
+    Parameters
+    ----------
+    frames : sequence of TrackedFrame
+    views : TwoViews
+    """
+    return [_kept(frame, ~np.isin(frame.tracks, views.disagreeing)) for frame in frames]
+
+
+def _kept(frame: TrackedFrame, which: Mask) -> TrackedFrame:
+    return replace(
+        frame,
+        tracks=frame.tracks[which],
+        points_px=frame.points_px[which],
+        sigma_px=frame.sigma_px[which],
+    )
