@@ -42,7 +42,7 @@ from pipelines.unknown_target.observation_rows import (
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
-from pipelines.unknown_target.sightings import Ranges, Sightings
+from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
 from pipelines.unknown_target.unknowns import (
@@ -273,6 +273,8 @@ class BatchEstimator:
 
     def _linearise(self) -> None:
         """Linearise everything anew about the solution; look elsewhere if that explains nothing."""
+        if self._options.range_to == "facet":
+            self._ranges = facets_found(self._ranges, self._sightings, self._tracks.live)
         best = self._descended(
             self._at.moved(*within_reach(self._solved.shared, self._solved.points))
         )

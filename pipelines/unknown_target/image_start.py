@@ -11,10 +11,11 @@ from models.arrays import Mask
 from models.camera import Camera
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
-from pipelines.unknown_target.two_view_start import TwoViews, two_views
+from pipelines.unknown_target.two_view_start import BARELY, WELL, TwoViews, two_views
 
-MOST_GATHERED = 60  # images, beyond which the oldest go
-FEWEST_TRACKS = 30  # of an image that may be the first
+MOST_GATHERED = 90  # images, beyond which the oldest go
+APART = (10, 15, 20, 30)  # images between the two
+PATIENCE = 60  # images gathered, after which two that tell barely enough are taken
 UNKNOWN_RANGE_M, UNKNOWN_SIGMA = 20.0, 0.5  # where nothing tells of it; relative
 SIGMA_M_S = 0.02  # two spacecraft that stay together drift by millimetres a second
 
@@ -27,7 +28,7 @@ class Started:
     ----------
     guess : StartGuess
     frames : list of TrackedFrame
-        All so far, without the tracks that do not move as most do.
+        Those between the two images, without the tracks that do not move as most do.
     """
 
     guess: StartGuess
@@ -56,22 +57,23 @@ class ImageStart:
 
     def take(self, frame: TrackedFrame) -> Started | None:
         """Take in an image; return what to begin from once there is enough."""
-        if not self._frames and len(frame.tracks) < FEWEST_TRACKS:
-            return None
         self._frames.append(frame)
-        views = two_views(self._camera, self._motion, self._frames[0], frame)
-        if views is not None:
-            return self._started(views)
         del self._frames[:-MOST_GATHERED]
-        while self._frames and len(self._frames[0].tracks) < FEWEST_TRACKS:
-            del self._frames[0]
+        demands = (WELL, BARELY) if len(self._frames) >= PATIENCE else (WELL,)
+        for demand in demands:
+            for apart in APART:
+                if apart < len(self._frames):
+                    first = self._frames[-1 - apart]
+                    views = two_views(self._camera, self._motion, first, frame, demand)
+                    if views is not None:
+                        return self._started(views, self._frames[-1 - apart :])
         return None
 
-    def _started(self, views: TwoViews) -> Started:
-        first = self._frames[0]
+    def _started(self, views: TwoViews, frames: list[TrackedFrame]) -> Started:
+        first = frames[0]
         rays = self._camera.normalise(first.points_px)
         middle, extent = np.median(rays, axis=0), float(np.ptp(rays, axis=0).max())
-        depth_m, sigma_m = self._depth()
+        depth_m, sigma_m = self._depth(frames)
         size_m = max(0.35 * extent * depth_m, 0.1)
         in_cam = np.array([*(middle * depth_m), depth_m])
         guess = StartGuess(
@@ -82,11 +84,11 @@ class ImageStart:
             sigma_rad_s=views.sigma_rad_s,
             size_m=size_m,
         )
-        return Started(guess, without(self._frames, views))
+        return Started(guess, without(frames, views))
 
-    def _depth(self) -> tuple[float, float]:
+    def _depth(self, frames: Sequence[TrackedFrame]) -> tuple[float, float]:
         """Return how far the target is thought to be, and how well that is known, m."""
-        read = [frame.range_m for frame in self._frames if frame.range_m is not None]
+        read = [frame.range_m for frame in frames if frame.range_m is not None]
         if read:
             return float(np.median(read)), 0.0
         if self._range_m is not None:

@@ -9,7 +9,7 @@ from pipelines.unknown_target.observation_rows import Placed
 from pipelines.unknown_target.sightings import Sightings
 
 FEW = 8  # observations, below which no point is judged
-MOST_WAITING = 12  # sightings of a track that is no point yet; older ones are forgotten
+MOST_WAITING = 24  # sightings of a track that is no point yet; older ones are forgotten
 
 
 class PointTracks:

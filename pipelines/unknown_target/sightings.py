@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from models.arrays import Floats, Indices, Mask
-from pipelines.unknown_target.facet_in_sight import Facets
+from pipelines.unknown_target.facet_in_sight import Facets, facet_in_sight
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,3 +135,25 @@ class Ranges:
             np.append(self.sigma_m, sigma_m),
             self.facets.followed_by(facet),
         )
+
+
+def facets_found(ranges: Ranges, seen: Sightings, used: Mask) -> Ranges:
+    """Return ranges between the points that are believed in by now.
+
+    Parameters
+    ----------
+    ranges : Ranges
+    seen : Sightings
+    used : (n,) bool array
+        The points.
+    """
+    good = seen.take(used[seen.who]) if len(seen) else seen
+    order = np.argsort(good.frame, kind="stable")
+    frames = good.frame[order]
+    first = np.searchsorted(frames, ranges.frame, "left")
+    last = np.searchsorted(frames, ranges.frame, "right")
+    facets = Facets.none(0)
+    for start, end in zip(first.tolist(), last.tolist(), strict=True):
+        own = order[start:end]
+        facets = facets.followed_by(facet_in_sight(good.seen[own], good.who[own]))
+    return replace(ranges, facets=facets)

@@ -18,12 +18,31 @@ from models.camera import Camera
 from models.motion.gravity_gradient_rotation import lvlh_from_first
 from pipelines.unknown_target.tracked_frame import TrackedFrame
 
-FEWEST = 25  # tracks that both images must show
-AGREEING = 0.5  # of them
-LEAST_TURN_DEG = 15.0
-THRESHOLD_PX = 1.0
+TURN_DEG = (10.0, 50.0)  # less tells little of depth; after more, tracks are of other places
+IN_FRONT = 0.9  # of those that agree: for a turn in place of a shift, half are behind
+THRESHOLD_PX = 0.7
 CONFIDENCE, MOST_DRAWS, SEED = 0.9999, 5000, 1
-LEAST_SIGMA = 0.1  # of the rate, relative
+SIGMA = 0.2  # of the rate, relative: of a small target far off two images tell no more
+
+
+@dataclass(frozen=True)
+class Demand:
+    """How much two images must tell.
+
+    Attributes
+    ----------
+    tracks : int
+        That both must show.
+    agreeing : float
+        Share of them that must move alike.
+    """
+
+    tracks: int
+    agreeing: float
+
+
+WELL = Demand(50, 0.7)
+BARELY = Demand(25, 0.55)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +64,11 @@ class TwoViews:
 
 
 def two_views(
-    camera: Camera, mean_motion_rad_s: float, first: TrackedFrame, last: TrackedFrame
+    camera: Camera,
+    mean_motion_rad_s: float,
+    first: TrackedFrame,
+    last: TrackedFrame,
+    demand: Demand = WELL,
 ) -> TwoViews | None:
     """Return what two images tell; None where they are too near, or agree on nothing.
 
@@ -55,9 +78,10 @@ def two_views(
     mean_motion_rad_s : float, rad/s
         Of the target's orbit, with which its local frame turns.
     first, last : TrackedFrame
+    demand : Demand
     """
     names, here, there = np.intersect1d(first.tracks, last.tracks, return_indices=True)
-    if len(names) < FEWEST:
+    if len(names) < demand.tracks:
         return None
     one, other = (
         camera.normalise(frame.points_px[own]) for frame, own in ((first, here), (last, there))
@@ -75,10 +99,10 @@ def two_views(
     if matrix is None or matrix.shape != (3, 3):
         return None
     inside = agree.ravel() > 0
-    if inside.sum() < max(FEWEST, AGREEING * len(names)):
+    if inside.sum() < demand.agreeing * len(names):
         return None
     count, turn, _, _ = cv2.recoverPose(matrix, one[inside], other[inside], np.eye(3))
-    if count < AGREEING * inside.sum():  # in front of both cameras
+    if count < IN_FRONT * inside.sum():
         return None
     after_s = last.time_s - first.time_s
     moved = lvlh_from_first(mean_motion_rad_s * after_s)
@@ -86,7 +110,7 @@ def two_views(
     turned = first.R_cam_from_lvlh @ cam_from_start.T @ turn
     vector = Rotation.from_matrix(turned).as_rotvec()
     angle = float(np.linalg.norm(vector))
-    if angle < np.deg2rad(LEAST_TURN_DEG):
+    least, most = np.deg2rad(TURN_DEG)
+    if not least < angle < most:
         return None
-    spread = max(LEAST_SIGMA, angle / 3.0)
-    return TwoViews(vector / after_s, spread * angle / after_s, names[~inside])
+    return TwoViews(vector / after_s, SIGMA * angle / after_s, names[~inside])
