@@ -19,7 +19,8 @@ MIDDLE = 128.0
 CONTRAST_GREY = 127.0  # of the strongest details, but for one in a thousand
 BLOCK_PX = 5
 EDGE_RATIO = 0.2  # of the two slopes squared: below, it is an edge
-OVER_SURFACE = 8.0  # times the median over the target: most of a surface is plain
+OVER_SURFACE = 8.0  # times the median over the target, where most of the surface is plain; or
+OF_BEST = 0.05  # of the best places, where it is not
 
 
 def fine_detail(region: TargetRegion) -> Labels:
@@ -53,5 +54,6 @@ def has_corners(grey: Labels, lit: Mask) -> Mask:
         return np.zeros(grey.shape, dtype=bool)
     found = cv2.cornerEigenValsAndVecs(grey, BLOCK_PX, 3)
     large, small = found[..., :2].max(axis=2), found[..., :2].min(axis=2)
-    plain = float(np.median(small[lit]))
-    return np.asarray((small > EDGE_RATIO * large) & (small > OVER_SURFACE * plain))
+    plain, best = np.quantile(small[lit], (0.5, 0.99))
+    least = min(OVER_SURFACE * plain, OF_BEST * best)
+    return np.asarray((small > EDGE_RATIO * large) & (small > least))

@@ -290,7 +290,7 @@ class BatchEstimator:
         self._equations = self._summed(best.at, best.rows, weights)
         self._solved = self._equations.solve()
         self._linearised_at = count
-        self._give_up(weights[0])
+        self._give_up(weights[0], best.rows[0].sizes)
         self._freeze(best.rows, weights)
 
     def _descended(self, at: Unknowns) -> Descent:
@@ -381,12 +381,15 @@ class BatchEstimator:
             cost += float(own[counted] @ np.sum(each.error[counted] ** 2, axis=1))
         return cost if np.isfinite(cost) else np.inf
 
-    def _give_up(self, weights: Floats) -> None:
+    def _give_up(self, weights: Floats, sizes: Floats) -> None:
         """Let go of points of which too much is refused: their tracks were of two points."""
         who, points = self._sightings.who, len(self._at.points)
         seen = np.bincount(who, minlength=points)
         refused = np.bincount(who[weights < REFUSED], minlength=points)
-        bad = (seen >= FEW) & (refused > self._options.bad_share * seen) & self._tracks.live
+        bad = (refused > self._options.bad_share * seen) | (
+            robust_weights.medians(sizes, who, points) > self._options.worst_median
+        )
+        bad &= (seen >= FEW) & self._tracks.live
         if bad.any():
             self._tracks.give_up(np.flatnonzero(bad), again=self._options.second_chances)
             self._sightings = self._sightings.take(~bad[who])

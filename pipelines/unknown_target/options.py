@@ -72,6 +72,8 @@ class BatchOptions:
         What is older stays as it was last linearised.
     bad_share : float
         A point of which more observations than this are refused is given up.
+    worst_median : float
+        So is a point whose median error is so many times the usual one: it slides.
     inertia_sigma : float
         1 sigma of the numbers of the inertia's chart before any measurement.
     lost_share : float
@@ -95,6 +97,7 @@ class BatchOptions:
     iterations: int = 20
     most_observations: int = 40_000
     bad_share: float = 0.6
+    worst_median: float = float("inf")
     inertia_sigma: float = 0.5
     lost_share: float = 0.5
     second_chances: bool = True
@@ -150,6 +153,10 @@ class ImageOptions:
             growth=1.25,
             bend=1000.0,
             iterations=6,
+            gate_sigmas=3.0,
+            bad_share=0.2,
+            worst_median=1.7,
+            relief_share=0.1,
             second_chances=False,
             most_sigma_m=0.3,
         )
