@@ -28,20 +28,19 @@ from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
 from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
-from pipelines.unknown_target.facet_in_sight import facet_in_sight, facet_rows
+from pipelines.unknown_target.facet_in_sight import facet_in_sight
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.observation_rows import (
     Epochs,
     Placed,
     Rows,
-    centre_rows,
     placed,
     sighting_rows,
-    surface_rows,
 )
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
+from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
@@ -170,7 +169,8 @@ class BatchEstimator:
         sizes = surprise(rows, self._solved)
         young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
         spread = robust_weights.spread(sizes, 2) if young else 1.0
-        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+        weights = robust_weights.weights(sizes, self._options.gate_sigmas * spread)
+        self._add(rows, weights / self._options.sighting_frames)
 
     def _bend(self, known: Sightings) -> float:
         """Return how wrong the lines are by now: the square of what the last image misses them by.
@@ -214,7 +214,8 @@ class BatchEstimator:
             )
             sizes = rows.sizes
             gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
-            self._add(rows, robust_weights.weights(sizes, gate))
+            weights = robust_weights.weights(sizes, gate)
+            self._add(rows, weights / self._options.sighting_frames)
             self._sightings = self._sightings.followed_by(born)
             self._solved = self._equations.solve()
 
@@ -241,31 +242,9 @@ class BatchEstimator:
         self._add(rows, weights / self._alike)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
-        if self._options.range_to == "centre":
-            return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
-        if self._options.range_to == "facet":
-            return facet_rows(
-                where,
-                at.points,
-                self._tracks.live,
-                ranges.facets,
-                ranges.frame,
-                ranges.range_m,
-                ranges.sigma_m,
-                self._options.relief_share,
-            )
-        sigma = np.hypot(ranges.sigma_m, np.hypot(self._options.relief_m, self._hull_sigma()))
-        return surface_rows(
-            where, at.points, self._tracks.live, ranges.frame, ranges.range_m, sigma
-        )
-
-    def _hull_sigma(self) -> float:
-        """Return how well the corners of the hull are known, m: while they are not, nor is it."""
-        spread = self._solved.point_covariances()
-        if len(spread) < len(self._at.points):
-            return self._prior.point_information**-0.5
-        own = np.trace(spread[self._tracks.live], axis1=1, axis2=2)
-        return float(np.sqrt(np.mean(own))) if len(own) else 0.0
+        live = self._tracks.live
+        spread_m = hull_sigma_m(self._solved, live, self._prior)
+        return range_rows(where, ranges, at, live, spread_m, self._options)
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)
@@ -290,7 +269,7 @@ class BatchEstimator:
         self._equations = self._summed(best.at, best.rows, weights)
         self._solved = self._equations.solve()
         self._linearised_at = count
-        self._give_up(weights[0], best.rows[0].sizes)
+        self._give_up(weights[0])
         self._freeze(best.rows, weights)
 
     def _descended(self, at: Unknowns) -> Descent:
@@ -349,7 +328,7 @@ class BatchEstimator:
             )
             for each in rows
         )
-        return [seen, ranged / self._alike]
+        return [seen / self._options.sighting_frames, ranged / self._alike]
 
     @property
     def _alike(self) -> float:
@@ -381,15 +360,13 @@ class BatchEstimator:
             cost += float(own[counted] @ np.sum(each.error[counted] ** 2, axis=1))
         return cost if np.isfinite(cost) else np.inf
 
-    def _give_up(self, weights: Floats, sizes: Floats) -> None:
+    def _give_up(self, weights: Floats) -> None:
         """Let go of points of which too much is refused: their tracks were of two points."""
         who, points = self._sightings.who, len(self._at.points)
         seen = np.bincount(who, minlength=points)
-        refused = np.bincount(who[weights < REFUSED], minlength=points)
-        bad = (refused > self._options.bad_share * seen) | (
-            robust_weights.medians(sizes, who, points) > self._options.worst_median
-        )
-        bad &= (seen >= FEW) & self._tracks.live
+        refusing = REFUSED / self._options.sighting_frames
+        refused = np.bincount(who[weights < refusing], minlength=points)
+        bad = (seen >= FEW) & (refused > self._options.bad_share * seen) & self._tracks.live
         if bad.any():
             self._tracks.give_up(np.flatnonzero(bad), again=self._options.second_chances)
             self._sightings = self._sightings.take(~bad[who])

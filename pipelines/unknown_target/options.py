@@ -72,8 +72,8 @@ class BatchOptions:
         What is older stays as it was last linearised.
     bad_share : float
         A point of which more observations than this are refused is given up.
-    worst_median : float
-        So is a point whose median error is so many times the usual one: it slides.
+    sighting_frames : float
+        So many sightings of a point in a row err alike: together they count as one.
     inertia_sigma : float
         1 sigma of the numbers of the inertia's chart before any measurement.
     lost_share : float
@@ -97,7 +97,7 @@ class BatchOptions:
     iterations: int = 20
     most_observations: int = 40_000
     bad_share: float = 0.6
-    worst_median: float = float("inf")
+    sighting_frames: float = 1.0
     inertia_sigma: float = 0.5
     lost_share: float = 0.5
     second_chances: bool = True
@@ -155,7 +155,7 @@ class ImageOptions:
             iterations=6,
             gate_sigmas=3.0,
             bad_share=0.2,
-            worst_median=1.7,
+            sighting_frames=20.0,
             relief_share=0.1,
             second_chances=False,
             most_sigma_m=0.3,

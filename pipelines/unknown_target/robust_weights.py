@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arrays import Floats, Indices
+from models.arrays import Floats
 
 MOST = 0.5  # of measurements, which must agree to be believed against the rest
 # Median length of a Gaussian vector of so many numbers, sigma 1.
@@ -59,25 +59,3 @@ def of_most(sizes: Floats, numbers: int, gate: float, opened: float) -> Floats:
     if not len(sizes) or np.mean(sizes < gate * narrow) > MOST:
         return weights(sizes, gate * narrow)
     return weights(sizes, gate * wide) / wide**2
-
-
-def medians(sizes: Floats, who: Indices, points: int) -> Floats:
-    """Return each point's median error over what is usual, (n,); zero of one that was not seen.
-
-    Parameters
-    ----------
-    sizes : (m,) array
-        Lengths of errors of pixels in sigmas.
-    who : (m,) int array
-        The point of each.
-    points : int
-    """
-    usual = MEDIANS[2] * spread(sizes, 2)
-    order = np.lexsort((sizes, who))
-    count = np.bincount(who, minlength=points)
-    first = np.cumsum(count) - count
-    found = np.zeros(points)
-    there = count > 0
-    middle = first[there] + count[there] // 2
-    found[there] = sizes[order][middle] / usual
-    return found
