@@ -169,8 +169,7 @@ class BatchEstimator:
         sizes = surprise(rows, self._solved)
         young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
         spread = robust_weights.spread(sizes, 2) if young else 1.0
-        weights = robust_weights.weights(sizes, self._options.gate_sigmas * spread)
-        self._add(rows, weights / self._options.sighting_frames)
+        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
 
     def _bend(self, known: Sightings) -> float:
         """Return how wrong the lines are by now: the square of what the last image misses them by.
@@ -214,8 +213,7 @@ class BatchEstimator:
             )
             sizes = rows.sizes
             gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
-            weights = robust_weights.weights(sizes, gate)
-            self._add(rows, weights / self._options.sighting_frames)
+            self._add(rows, robust_weights.weights(sizes, gate))
             self._sightings = self._sightings.followed_by(born)
             self._solved = self._equations.solve()
 
@@ -328,7 +326,7 @@ class BatchEstimator:
             )
             for each in rows
         )
-        return [seen / self._options.sighting_frames, ranged / self._alike]
+        return [seen, ranged / self._alike]
 
     @property
     def _alike(self) -> float:
@@ -364,8 +362,7 @@ class BatchEstimator:
         """Let go of points of which too much is refused: their tracks were of two points."""
         who, points = self._sightings.who, len(self._at.points)
         seen = np.bincount(who, minlength=points)
-        refusing = REFUSED / self._options.sighting_frames
-        refused = np.bincount(who[weights < refusing], minlength=points)
+        refused = np.bincount(who[weights < REFUSED], minlength=points)
         bad = (seen >= FEW) & (refused > self._options.bad_share * seen) & self._tracks.live
         if bad.any():
             self._tracks.give_up(np.flatnonzero(bad), again=self._options.second_chances)

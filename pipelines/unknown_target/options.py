@@ -72,8 +72,6 @@ class BatchOptions:
         What is older stays as it was last linearised.
     bad_share : float
         A point of which more observations than this are refused is given up.
-    sighting_frames : float
-        So many sightings of a point in a row err alike: together they count as one.
     inertia_sigma : float
         1 sigma of the numbers of the inertia's chart before any measurement.
     lost_share : float
@@ -97,7 +95,6 @@ class BatchOptions:
     iterations: int = 20
     most_observations: int = 40_000
     bad_share: float = 0.6
-    sighting_frames: float = 1.0
     inertia_sigma: float = 0.5
     lost_share: float = 0.5
     second_chances: bool = True
@@ -142,6 +139,9 @@ class ImageOptions:
     ----------
     tracker : TrackerOptions
     batch : BatchOptions
+    alike_frames : float
+        So many sightings of a track in a row err alike, for it drifts: what is stated of all that is
+        known is wider by the root of it.
     """
 
     tracker: TrackerOptions = field(default_factory=TrackerOptions)
@@ -155,12 +155,12 @@ class ImageOptions:
             iterations=6,
             gate_sigmas=3.0,
             bad_share=0.2,
-            sighting_frames=20.0,
             relief_share=0.1,
             second_chances=False,
             most_sigma_m=0.3,
         )
     )
+    alike_frames: float = 20.0
 
 
 IMAGE_VARIANTS = {"best": ImageOptions()}
