@@ -31,8 +31,8 @@ def sunlit(
     (n,) array of bool
     """
     axes = _around(sun_dir_in_target)
-    seen, ahead = vertices_in_target @ axes.T, points_in_target @ axes.T
-    corners = seen[faces]
+    seen, ahead = axes @ vertices_in_target.T, points_in_target @ axes.T
+    corners = seen.T[faces[_near_any(seen, faces, ahead)]]
     low, high = corners.min(axis=1), corners.max(axis=1)
     lit = np.ones(len(points_in_target), dtype=np.bool_)
     for number, (x, y, height) in enumerate(ahead):
@@ -40,6 +40,21 @@ def sunlit(
         near &= high[:, 2] > height + CLEAR_M
         lit[number] = not _covers(corners[near], np.array([x, y]), height + CLEAR_M)
     return lit
+
+
+def _near_any(seen: Floats, faces: Indices, points: Floats) -> Mask:
+    """Tell which faces, (f, 3) of (3, v), have a point, (n, 3), in their width and height."""
+    near = np.ones(len(faces), dtype=np.bool_)
+    for axis in (0, 1):
+        ordered = np.sort(points[:, axis])
+        before = np.searchsorted(ordered, seen[axis], "left").astype(np.int32)
+        up_to = np.searchsorted(ordered, seen[axis], "right").astype(np.int32)
+        first, past = before[faces[:, 0]], up_to[faces[:, 0]]
+        for corner in (1, 2):
+            first = np.minimum(first, before[faces[:, corner]])
+            past = np.maximum(past, up_to[faces[:, corner]])
+        near &= first < past
+    return near
 
 
 def _covers(corners: Floats, place: Floats, above: float) -> bool:

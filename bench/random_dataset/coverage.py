@@ -55,6 +55,7 @@ def coverage(plan: Plan) -> bytes:
             ha="left",
             x=0.01,
         )
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="upper right", ncols=len(SPLITS))
         stream = io.BytesIO()
         figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
     return stream.getvalue()
@@ -104,9 +105,9 @@ def _bars(
     )
     if log:
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(LogFormatter())
         axes.xaxis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.5)))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.legend()
 
 
 def _roll(axes: Axes, plan: Plan, shots: Sequence[Shot]) -> None:

@@ -140,8 +140,8 @@ class ImageOptions:
     tracker : TrackerOptions
     batch : BatchOptions
     alike_frames : float
-        So many sightings of a track in a row err alike, for it drifts: what is stated of all that is
-        known is wider by the root of it.
+        So many sightings of a track in a row err alike, for it drifts: what is stated of all
+        that is known is wider by the root of it.
     """
 
     tracker: TrackerOptions = field(default_factory=TrackerOptions)

@@ -136,7 +136,7 @@ def shades(red: Floats, areas: Floats) -> tuple[Floats, Indices]:
 def _of_material(mesh: Any, visual: Any) -> Look:
     material, faces = visual.material, np.asarray(mesh.faces)
     pbr = hasattr(material, "metallicFactor")
-    if not pbr and getattr(material, "name", None) is None and material.image is None:
+    if not pbr and _is_nothing(material):
         return Look("")
     uv = _inside_faces(visual.uv, faces)
     red, said = np.full(len(faces), _red_factor(material, pbr)), "base colour"
@@ -153,6 +153,15 @@ def _of_material(mesh: Any, visual: Any) -> Look:
         roughness, metallic = roughness * float(seen[1]), metallic * float(seen[2])
     transparent = material.alphaMode == "BLEND"
     return Look(said, red, metallic, roughness, transparent)
+
+
+def _is_nothing(material: Any) -> bool:
+    """Tell whether trimesh made a material up: nameless, or with its grey image for a lost one."""
+    from trimesh.visual.material import color_image
+
+    if material.image is None:
+        return getattr(material, "name", None) is None
+    return bool(material.image == color_image())
 
 
 def _red_factor(material: Any, pbr: bool) -> float:

@@ -65,6 +65,16 @@ def test_most_poses_are_found_and_none_is_wrong(outcomes: list[ImageAcquisition]
     assert all(one.found is not None or one.reason for one in outcomes)
 
 
+def test_without_a_coarse_range_the_poses_are_the_same(outcomes: list[ImageAcquisition]) -> None:
+    """How large it looks tells how far it is."""
+    alone = ImageAcquirer(WIREFRAME, CAMERA, DETECTOR, None, OPTIONS)
+    found = [one for one in outcomes if one.found is not None]
+    run = RUNS[outcomes.index(found[0])]
+    outcome = alone.acquire(drawn(WIREFRAME, pose_of(run), seed=run))
+    assert outcome.found is not None, outcome.reason
+    assert is_right(outcome.found.fit.cam_from_target, pose_of(run))
+
+
 def test_an_empty_sky_gives_a_reason(acquirer: ImageAcquirer) -> None:
     sky = np.full((CAMERA.height, CAMERA.width), 100, dtype=np.uint16)
     outcome = acquirer.acquire(sky)

@@ -79,3 +79,35 @@ def test_one_exact_measurement_is_believed() -> None:
     found = update(state, measured, 1e-14 * np.eye(3)).state
     np.testing.assert_allclose(found.R_lvlh_from_target, measured, atol=1e-9)
     assert np.linalg.eigvalsh(found.covariance)[0] > 0.0
+
+
+def test_the_covariance_follows_the_attitude_that_a_large_correction_turns() -> None:
+    """Against the derivative of errors about the new attitude by those about the old one.
+
+    For a correction m that is the right Jacobian of rotations, ``I - [m]x / 2 + ...``; its second
+    order, 5 % of one at 30 deg, is left out. Turned the wrong way it would be 50 % off.
+    """
+    spread = np.deg2rad([4.0, 6.0, 9.0])
+    before = np.zeros((6, 6))
+    before[:3, :3], before[3:, 3:] = np.diag(spread) ** 2, np.deg2rad(0.1) ** 2 * np.eye(3)
+    measured = Rotation.from_rotvec([10.0, 20.0, 20.0], degrees=True).as_matrix()
+    noise = np.deg2rad([5.0, 3.0, 8.0]) ** 2 * np.eye(3)
+    found = update(RotationState(np.eye(3), np.zeros(3), before), measured, noise).state
+    turn = turn_between(np.eye(3), found.R_lvlh_from_target)
+    assert np.rad2deg(np.linalg.norm(turn)) > 15.0
+    plain = np.linalg.inv(np.linalg.inv(before[:3, :3]) + np.linalg.inv(noise))
+    step = 1e-6
+    derivative = np.stack(
+        [
+            turn_between(
+                found.R_lvlh_from_target, Rotation.from_rotvec(turn + axis).as_matrix()
+            ) / step
+            for axis in step * np.eye(3)
+        ],
+        axis=1,
+    )  # fmt: skip
+    expected = derivative @ plain @ derivative.T
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    np.testing.assert_allclose(found.covariance[:3, :3] / scale, expected / scale, atol=0.06)
+    wrong_way = (derivative.T @ plain @ derivative) / scale
+    assert np.abs(wrong_way - expected / scale).max() > 0.12

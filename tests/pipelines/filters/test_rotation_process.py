@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
@@ -144,3 +145,38 @@ def test_turns_are_small_rotations_on_the_right() -> None:
     np.testing.assert_allclose(
         turn_between(start, start @ Rotation.from_rotvec(turn).as_matrix()), turn, atol=1e-14
     )
+
+
+@pytest.mark.parametrize("inertia", [None, XMM], ids=["constant rate", "Euler"])
+def test_the_noise_is_the_integral_over_the_step(inertia: Floats | None) -> None:
+    """Accelerations left out, carried on from each instant of the step to its end: quadrature."""
+    process = RotationProcess(replace(BEST, asymmetry=0.3, inertia_accuracy=0.2), inertia)
+    omega, step_s = np.deg2rad([3.0, -8.0, 5.0]), 4.0
+    still = RotationState(np.eye(3), omega, np.zeros((6, 6)))
+    ahead = process.predict(still, LEO, 0.0, step_s)
+    mean = 0.5 * (omega + ahead.omega_in_target)
+    spin = LEO.anomaly_rate(step_s)
+    flow = np.zeros((6, 6))
+    flow[:3, :3], flow[:3, 3:] = np.cross(np.eye(3), mean), np.eye(3)  # v -> v x omega
+    flow[:3, :3] = flow[:3, :3].T
+    if inertia is not None:
+        slight = 1e-6
+        body = FreeBody(inertia, 0.2)
+        flow[3:, 3:] = np.stack(
+            [
+                (body.rate(mean + e) - body.rate(mean - e)) / (2.0 * slight)
+                for e in slight * np.eye(3)
+            ],
+            axis=1,
+        )
+    density = np.zeros((6, 6))
+    density[3:, 3:] = (
+        2.0 / max(float(np.linalg.norm(mean)), spin) * process.acceleration_covariance(mean, spin)
+    )
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    expected = np.zeros((6, 6))
+    for node, weight in zip(0.5 * step_s * (nodes + 1.0), 0.5 * step_s * weights, strict=True):
+        carried = expm(flow * node)
+        expected += weight * carried @ density @ carried.T
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    np.testing.assert_allclose(ahead.covariance / scale, expected / scale, atol=1e-6)

@@ -221,3 +221,11 @@ def test_textures_of_another_kind_are_told_to_be_left_out(tmp_path):
     )
     mesh = read_mesh_file(write_gltf(tmp_path / "a.gltf", tree))
     assert any("textures" in note for note in mesh.notes)
+
+
+def test_a_material_that_is_gone_says_nothing(tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n")
+    mesh = read_mesh_file(path)
+    assert mesh.missing == ("a.mtl",)
+    assert mesh.pieces[0].look.said == ""
