@@ -17,6 +17,8 @@ MOST_GATHERED = 90  # images, beyond which the oldest go
 APART = (10, 15, 20, 30)  # images between the two
 PATIENCE = 60  # images gathered, after which two that tell barely enough are taken
 UNKNOWN_RANGE_M, UNKNOWN_SIGMA = 20.0, 0.5  # where nothing tells of it; relative
+BEHIND, BEHIND_SIGMA = 0.4, 0.8  # of half its width: the centre of mass, behind the surface
+LOOSE = 10.0  # points seen are all on the near side: a tight prior would draw the centre to them
 SIGMA_M_S = 0.02  # two spacecraft that stay together drift by millimetres a second
 
 
@@ -74,20 +76,22 @@ class ImageStart:
         rays = self._camera.normalise(first.points_px)
         middle, extent = np.median(rays, axis=0), float(np.ptp(rays, axis=0).max())
         depth_m, sigma_m = self._depth(frames)
-        size_m = max(0.35 * extent * depth_m, 0.1)
+        size_m = max(0.5 * extent * depth_m, 0.1)
+        if sigma_m == 0.0:  # what was read is the near side
+            depth_m, sigma_m = depth_m + BEHIND * size_m, BEHIND_SIGMA * size_m
         in_cam = np.array([*(middle * depth_m), depth_m])
         guess = StartGuess(
             -first.R_cam_from_lvlh.T @ in_cam,
-            float(np.hypot(sigma_m, 0.5 * size_m)),
+            float(max(sigma_m, BEHIND_SIGMA * size_m)),
             sigma_m_s=SIGMA_M_S,
             omega_in_target=views.omega_in_target,
             sigma_rad_s=views.sigma_rad_s,
-            size_m=size_m,
+            size_m=LOOSE * size_m,
         )
         return Started(guess, without(frames, views))
 
     def _depth(self, frames: Sequence[TrackedFrame]) -> tuple[float, float]:
-        """Return how far the target is thought to be, and how well that is known, m."""
+        """Return how far the target is thought to be, and its sigma, m: none where it was read."""
         read = [frame.range_m for frame in frames if frame.range_m is not None]
         if read:
             return float(np.median(read)), 0.0

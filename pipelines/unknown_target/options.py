@@ -149,6 +149,7 @@ class ImageOptions:
         default_factory=lambda: BatchOptions(
             range_to="facet",
             births=6,
+            birth_reach=0.01,
             every_frame_until=4,
             growth=1.25,
             bend=1000.0,
