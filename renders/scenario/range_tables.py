@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class RangeFinderTable(Table):
     """A range finder along the boresight, which reads the surface that it meets.
 
-    Its readings come as the stream ``range``; see ``models.sensors.range_finder``.
+    Its readings come as the stream ``range_finder``; see ``models.sensors.range_finder``.
     """
 
     sigma_m: float = Field(0.01, gt=0, le=1e3, description="1-sigma of a right echo")

@@ -112,13 +112,13 @@ def cloud_score(
     """
     told = None if sigma_m is None or not len(sigma_m) else float(np.median(sigma_m))
     if not len(points) or surface is None:
-        return CloudScore(len(points), *7 * [None], told)
+        return CloudScore(len(points), None, None, None, None, None, None, None, told)
     away = np.sort(surface.distances(points))
     best = away[: max(1, int(0.9 * len(away)))]
-    found: list[float | None] = [None, None]
+    near = coarse = None
     if len(seen):
         gap, _ = KDTree(points).query(seen)
-        found = [float(np.mean(gap < reach)) for reach in (NEAREST_M, COARSE_M)]
+        near, coarse = float(np.mean(gap < NEAREST_M)), float(np.mean(gap < COARSE_M))
     return CloudScore(
         len(points),
         float(np.sqrt(np.mean(away**2))),
@@ -126,7 +126,8 @@ def cloud_score(
         float(np.quantile(away, 0.9)),
         float(np.sqrt(np.mean(best**2))),
         float(np.mean(away < NEAREST_M)),
-        *found,
+        near,
+        coarse,
         told,
     )
 

@@ -208,7 +208,7 @@ def motion_error(said: Estimate, was: ImageTruth, turn: Floats) -> MotionError |
         velocity_m_s=float(np.linalg.norm(rho_dot + was.state.rho_dot_in_lvlh)),
         rate_deg_s=float(np.rad2deg(np.linalg.norm(own_omega - true_omega))),
         axis_deg=float(np.rad2deg(np.arctan2(across, true_omega @ own_omega))),
-        sigma_range_m=_root(away @ spread[:3, :3] @ away) if spread is not None else None,
+        sigma_range_m=_root(float(away @ spread[:3, :3] @ away)) if spread is not None else None,
         sigma_attitude_deg=_in_deg(spread, slice(6, 9)),
         sigma_rate_deg_s=_in_deg(spread, slice(9, 12)),
     )
