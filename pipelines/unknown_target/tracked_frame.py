@@ -1,8 +1,8 @@
 """What comes in at one time: where tracks are in the image, a range, and how the camera stands.
 
 As a ``Frame`` these are three tables: ``tracks`` (``track, u_px, v_px, sigma_px``),
-``range_finder`` (``range_m, sigma_m``) and ``camera_attitude`` (``q_cam_from_lvlh_w`` to ``_z``), the last from the
-chaser's attitude determination and the target's orbit.
+``range_finder`` (``range_m, sigma_m``) and ``camera_attitude`` (``q_cam_from_lvlh_w`` to ``_z``),
+the last from the chaser's attitude determination and the target's orbit.
 """
 
 from __future__ import annotations
