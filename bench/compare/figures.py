@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from bench.compare.comparison import Comparison
 from bench.compare.conditions import conditions
@@ -13,6 +14,9 @@ from bench.compare.leaderboard import MEASURES, Value, frame_values
 from bench.report.plot import INK, colour_of, drawn_svg
 from bench.scoring.pose_summary import errors_of
 from models.arrays import Floats
+
+MOST_TICKS = 5  # whose numbers do not run into each other
+LEAST_SPAN = 1e-3  # of an axis, over the value at its middle
 
 
 def standing_figure(comparison: Comparison) -> str:
@@ -97,6 +101,7 @@ def condition_figure(comparison: Comparison) -> str:
                 panel.plot(values[lost], scores[lost], "x", ms=5.0, color=colour)
         for panel, (_, title) in zip(panels, axes, strict=True):
             panel.set_xlabel(title, color=INK)
+            _not_within_nothing(panel)
             _logarithmic(panel, "y")
         panels[0].set_ylabel("SPEED score of the frame")
         handles, names = panels[0].get_legend_handles_labels()
@@ -105,11 +110,25 @@ def condition_figure(comparison: Comparison) -> str:
     return drawn_svg(draw, (11.0, 3.4))
 
 
+def _not_within_nothing(panel: Any) -> None:
+    """Widen an axis along which nothing changes, and write its numbers whole."""
+    panel.ticklabel_format(axis="x", useOffset=False)
+    low, high = panel.get_xlim()
+    middle = 0.5 * (low + high)
+    least = LEAST_SPAN * max(abs(middle), 1e-9)
+    if high - low < least:
+        panel.set_xlim(middle - 0.5 * least, middle + 0.5 * least)
+
+
 def _logarithmic(panel: Any, along: str) -> None:
     """Draw an axis by powers of ten, where anything on it is above zero."""
     drawn = [line.get_data()["xy".index(along)] for line in panel.lines]
     if any((np.asarray(values, dtype=np.float64) > 0.0).any() for values in drawn):
         panel.set(**{f"{along}scale": "log"})
+        axis = panel.xaxis if along == "x" else panel.yaxis
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=MOST_TICKS))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _drawn(value: Value) -> tuple[float, float]:

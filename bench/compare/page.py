@@ -16,6 +16,12 @@ from bench.report.plot import svg_address
 from bench.scoring.metrics import speed
 
 LOST_COUNT = f"a lost frame counts {number(speed.LOST.score)}, 1 + pi"
+LOST_IN = {
+    "speed": LOST_COUNT,
+    "position": "a lost frame stands behind all others",
+    "attitude": "a lost frame stands behind all others",
+    "ar": "a lost frame recalls nothing",
+}
 
 
 def write_comparison_page(path: Path, comparison: Comparison) -> None:
@@ -76,8 +82,9 @@ def _board(comparison: Comparison) -> Section:
         "Leaderboard",
         text=(
             f"Ranked by {MEASURES[comparison.board.rank_by].title}, over all frames: "
-            f"{LOST_COUNT}, and stands behind all others in a median. In brackets intervals of "
-            "95 % for each number by itself."
+            f"{LOST_IN[comparison.board.rank_by]}. Medians here count a lost frame as infinitely "
+            "wrong; those of the next table leave it out. In brackets intervals of 95 % for each "
+            "number by itself."
         ),
         figures=(Figure(svg_address(standing_figure(comparison)), "Standings with intervals"),),
         tables=(TitledTable("Leaderboard", tables.standing_table(comparison), wide=True),),

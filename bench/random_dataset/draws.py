@@ -145,12 +145,12 @@ def refusal(spec: Spec, aim: Aim, camera: Camera, pose: RigidTransform) -> str |
     middle = pose @ aim.point
     if pose.translation[2] < NEAREST_M or middle[2] < NEAREST_M:
         return BEHIND
-    if is_inside(aim.craft, pose.inverse().translation):
-        return INSIDE
     if spec.pose.in_view == "whole" and not _all_in_image(camera, pose @ aim.corners):
         return CUT
     if spec.pose.in_view == "middle" and not _all_in_image(camera, middle[None]):
         return OUT
+    if is_inside(aim.craft, pose.inverse().translation):  # the dearest to tell
+        return INSIDE
     if not in_sight(pieces_of(aim.craft, None, pose), camera, pose):
         return OUT
     return None

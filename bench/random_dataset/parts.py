@@ -22,7 +22,7 @@ from models.motion.pose_table import STARS as STARS_COLUMN
 from models.sensors.camera_chip import Detector
 from renders.scenario.camera_choice import camera_of
 from renders.scenario.errors import explain
-from renders.scenario.own_target import target_of, with_own_target_read
+from renders.scenario.own_target import target_has_markers, target_of, with_own_target_read
 from renders.scenario.scenario import Scenario, check_scenario
 from renders.scenario.surface_tables import SurfaceTable, materials_of
 
@@ -80,6 +80,11 @@ class Part:
             craft = target_of(self._without_rows)
         except ScenarioError as error:
             raise ScenarioError(f"{self.where}: {error}") from error
+        if self.spec.images == "pairs" and not target_has_markers(self._without_rows):
+            raise ScenarioError(
+                f'{self.where}: expected targets with markers for images = "pairs", '
+                f'{self.target.spacecraft} has none; choose images = "single", or another target'
+            )
         typed = self.target.aim_m
         near, far = self.target.range_m or self.spec.pose.range_m
         factor = self.choice.range_factor

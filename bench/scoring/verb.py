@@ -66,7 +66,7 @@ class Score:
     vsd_px: Annotated[int, arg(metavar="N")] = 512
     """pixels along the image's longer side that BOP's VSD looks at; 0 leaves VSD out"""
     out: OptionalFile = None
-    """with --estimates, where the score goes; else beside that file, as NAME.score.json"""
+    """with --estimates, where the score goes; else beside that file, as FILE.score.json"""
 
     def run(self) -> int:
         """Score.
@@ -89,7 +89,9 @@ class Score:
         return self._verdict(label, scored["pipelines"][label]["core"])
 
     def _score_file(self, path: Path) -> int:
-        out = self.out or path.with_name(f"{path.stem}.score.json")
+        if path.is_dir() or not path.name:
+            raise ScenarioError(f"expected --estimates as a file, got {path}: a folder")
+        out = self.out or path.with_name(f"{path.name}.score.json")
         comparison, table = api.score_estimates(
             self.folder,
             path,

@@ -8,7 +8,9 @@ from typing import Any
 
 from models.errors import ScenarioError
 
-SIZES = ("runs", "acquisitions", "seeds", "duration_s", "paper_runs")
+SIZES = (
+    "runs", "acquisitions", "seeds", "duration_s", "paper_runs", "rate_hz", "width",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,13 @@ class SuiteRequest:
     paper_runs : int, optional
         Most runs and acquisitions of a case by the paper's own algorithms.
     duration_s : float, optional, s
+    rate_hz : float, optional, Hz
+        Of frames, where frames are rendered.
+    width : int, optional, px
+        Of them.
+    store : Path, optional
+        Where rendered light is kept.
+    store_budget_gb : float, optional
     seed : int
     """
 
@@ -42,6 +51,10 @@ class SuiteRequest:
     seeds: int | None = None
     paper_runs: int | None = None
     duration_s: float | None = None
+    rate_hz: float | None = None
+    width: int | None = None
+    store: Path | None = None
+    store_budget_gb: float | None = None
     seed: int = 0
 
     def sizes(self, *own: str) -> dict[str, Any]:

@@ -146,6 +146,6 @@ def _spread(missing: list[WorkUnit], folder: Path, pace: Pace, console: Console)
 def _do(folder: Path, unit: WorkUnit) -> float:
     """Do one unit, in whatever process, and keep what it came to; return the seconds it took."""
     cv2.setNumThreads(1)
-    outcome = unit.work(unit.task)
+    outcome = unit.done()
     write_outcome(folder, unit, outcome)
     return float(outcome.seconds.sum())

@@ -69,14 +69,22 @@ class WorkUnit:
         How long it is thought to take, before one of its kind was done.
     modules : tuple of str
         Modules that the work imports by a name it is told; their code counts too.
+    reads : str
+        A folder that the work reads, handed to it beside the task, which must hold a hash of what
+        lies there: where it lies shapes nothing.
     """
 
     name: str
-    work: Callable[[Any], Outcome]
+    work: Callable[..., Outcome]
     task: Any
     kind: str
     expected_s: float
     modules: tuple[str, ...] = ()
+    reads: str = ""
+
+    def done(self) -> Outcome:
+        """Do the work, and return what it comes to."""
+        return self.work(self.task, self.reads) if self.reads else self.work(self.task)
 
     @cached_property
     def key(self) -> str:

@@ -34,8 +34,9 @@ class Suite:
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
     what is left is told as it runs. vinag2018 (parts leo, geo, model, lasting, mask, faults,
-    sampling, availability, dataset) takes a night of two cores, with --quick less than half an
-    hour.
+    sampling, availability, stars, dataset) takes a night of two cores, with --quick less than half
+    an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as
+    S2 or E-SB) renders its frames; what that takes is told before it starts.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]
@@ -49,15 +50,26 @@ class Suite:
     quick: bool = False
     """a small version of everything, in minutes, to see it work"""
     runs: OptionalCount = None
-    """runs of each case that the paper repeats (50), or of volpe2017's own case (100)"""
+    """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
+    opromolla2022 (100)"""
     acquisitions: OptionalCount = None
-    """acquisitions of each case (1000, of which the paper's table takes the first 100)"""
+    """acquisitions of each case (1000, of which the paper's table takes the first 100), or
+    attitudes of vinag2018's star camera (1000)"""
     seeds: OptionalCount = None
-    """runs of each cell where the paper has a single one (10)"""
+    """runs of each cell where the paper has a single one (10), or none (opromolla2022: 20 under
+    each error alone)"""
     paper_runs: OptionalCount = None
     """most runs and acquisitions of a case by `paper`, which takes ten times as long as `best`"""
     duration_s: OptionalNumber = None
     """length of a run, in s (1800; volpe2017: of the paper's case, one orbit)"""
+    rate_hz: OptionalNumber = None
+    """frames a second, of a suite that renders (opromolla2022: 1; the paper's is 5)"""
+    width: OptionalCount = None
+    """columns of rendered images (opromolla2022: 2048)"""
+    store: OptionalFolder = None
+    """where rendered light is kept"""
+    store_budget_gb: OptionalNumber = None
+    """what that may take; the longest unused goes first (20, else $RVBENCH_STORE_BUDGET_GB)"""
     seed: Annotated[int, arg(metavar="N")] = 0
     """seed of all draws"""
 
@@ -85,6 +97,10 @@ class Suite:
             seeds=self.seeds,
             paper_runs=self.paper_runs,
             duration_s=self.duration_s,
+            rate_hz=self.rate_hz,
+            width=self.width,
+            store=self.store,
+            store_budget_gb=self.store_budget_gb,
             seed=self.seed,
         )
         files = suite_by_name(self.name)(request, plain_console(stderr=True))

@@ -10,6 +10,7 @@ Source: Opromolla, Vela, Nocerino and Lombardi 2022, Remote Sensing 14(18), 4483
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,12 +47,14 @@ from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import solve_match
+from pipelines.pnp.told_errors import CAMERA_STEPS, place_covariance_px2, with_common_errors
 
 __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 
 COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
 COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
 MOST_GROWTH = 4.0
+CALIBRATION = frozenset(f"camera.{key}" for key in CAMERA_STEPS)
 FARTHEST_M = 1e6  # beyond it no marker is a pixel, in any camera
 
 
@@ -72,13 +75,22 @@ class ChaserFixed:
         What is loaded on board.
     options : ChaserFixedOptions
         See ``options_for``.
+    sigmas : mapping of str to float, optional
+        1-sigma of what is told otherwise than it is; the best variant weighs markers by how well
+        they were surveyed, and states a covariance that has the camera's calibration in it.
     """
 
-    def __init__(self, knowledge: FlightKnowledge, options: ChaserFixedOptions) -> None:
+    def __init__(
+        self,
+        knowledge: FlightKnowledge,
+        options: ChaserFixedOptions,
+        sigmas: Mapping[str, float] | None = None,
+    ) -> None:
         self._camera = knowledge.camera
         self._detector = knowledge.detector
         self._markers = knowledge.markers
         self._options = options
+        self._sigmas = dict(sigmas or {})
         self._motion = MotionPrediction(knowledge, options)
         self._focal_px = 0.5 * (knowledge.camera.fx + knowledge.camera.fy)
         self._blur = ExpectedBlur(
@@ -119,10 +131,11 @@ class ChaserFixed:
         if self._options.centroiding == "disc_fit":
             solution = self._refined(pair, frame.time_s, solution, predicted)
         self._motion.found(frame.time_s, solution.pose, solution.covariance)
+        stated = self._stated_covariance(solution)
         return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            pose=PoseEstimate(solution.pose, solution.covariance, solution.residual_rms_px),
+            pose=PoseEstimate(solution.pose, stated, solution.residual_rms_px),
             detections=self._detections(sighting, solution),
         )
 
@@ -227,7 +240,8 @@ class ChaserFixed:
         )
         range_m = float(np.linalg.norm(coarse.pose.translation))
         radius = expected_radius_px(self._markers.radius_m, range_m, self._focal_px)
-        refined = self._solved(fitted.match, coarse.pose, radius, predicted)
+        match = self._as_surveyed(fitted.match, coarse.pose)
+        refined = self._solved(match, coarse.pose, radius, predicted)
         if isinstance(refined, str):
             return coarse
         self._blur = ExpectedBlur(
@@ -237,6 +251,26 @@ class ChaserFixed:
             fitted.crosstalk,
         )
         return refined
+
+    def _as_surveyed(self, match: Match, pose: RigidTransform) -> Match:
+        """Widen each point's covariance by what its marker's survey may be wrong by."""
+        points = self._markers.points_in_target[match.marker]
+        wider = place_covariance_px2(self._camera, points, pose, self._sigmas)
+        return Match(match.points_px, match.covariance_px2 + wider, match.marker)
+
+    def _stated_covariance(self, solution: Solution) -> Floats:
+        """Add what the camera's calibration does to all points together.
+
+        The pose of the next frame errs by it alike: what predicts that frame does without.
+        """
+        calibration = {k: sigma for k, sigma in self._sigmas.items() if k in CALIBRATION}
+        if not calibration or self._options.centroiding != "disc_fit":
+            return solution.covariance
+        kept = solution.match.kept(solution.used)
+        points = self._markers.points_in_target[kept.marker]
+        return with_common_errors(
+            self._camera, points, solution.pose, kept.covariance_px2, calibration
+        )
 
     # What to say.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from models.frame import IMAGE_800, IMAGE_850
 from models.onboard import OnboardKnowledge
 from pipelines.chaser_fixed.options import VARIANTS, options_for
@@ -20,7 +22,10 @@ def make(onboard: OnboardKnowledge, variant: str) -> ChaserFixed:
     DatasetError
         If the markers or the prior are not on board.
     """
-    return ChaserFixed(FlightKnowledge.of(onboard, NAME), options_for(variant))
+    options = options_for(variant)
+    if onboard.psf_sigma_px is not None:
+        options = replace(options, psf_sigma_px=onboard.psf_sigma_px)
+    return ChaserFixed(FlightKnowledge.of(onboard, NAME), options, onboard.sigmas)
 
 
 PIPELINE = RegisteredPipeline(

@@ -40,6 +40,7 @@ def linearised(
     rotations : (b, 3, 3) array
     translations : (b, 3) array, m
     points_in_target : (m, 3) array, m
+        The same for all poses, or (b, m, 3): each has its own.
 
     Returns
     -------
@@ -48,12 +49,12 @@ def linearised(
     jacobian : (b, 6, 2, m) array
         By a left turn and a translation, as ``RigidTransform.perturbed`` applies them.
     """
-    turned = rotations @ points_in_target.T
+    turned = rotations @ points_in_target.swapaxes(-1, -2)
     in_cam = turned + translations[:, :, None]
     inverse = 1.0 / np.maximum(in_cam[:, 2], LEAST_DEPTH_M)
     predicted = in_cam[:, :2] * inverse[:, None]
     x, y = predicted[:, 0], predicted[:, 1]
-    jacobian = np.zeros((len(rotations), 6, 2, len(points_in_target)))
+    jacobian = np.zeros((len(rotations), 6, 2, points_in_target.shape[-2]))
     jacobian[:, 3, 0] = inverse
     jacobian[:, 4, 1] = inverse
     np.multiply(x, inverse, out=jacobian[:, 5, 0])

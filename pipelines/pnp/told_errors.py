@@ -54,12 +54,26 @@ def common_covariance_px2(
             low, high = _with(camera, key, value - step), _with(camera, key, value + step)
             moved = (high.project(in_cam) - low.project(in_cam)).reshape(-1) / (2.0 * step)
             common += sigma**2 * np.outer(moved, moved)
-    place_m = sigmas.get(PLACE, 0.0)
-    if place_m > 0.0:
-        for index, by_point in enumerate(_by_place(camera, points_in_target, pose)):
-            rows = slice(2 * index, 2 * index + 2)
-            common[rows, rows] += place_m**2 * by_point @ by_point.T
+    for index, own in enumerate(place_covariance_px2(camera, points_in_target, pose, sigmas)):
+        rows = slice(2 * index, 2 * index + 2)
+        common[rows, rows] += own
     return common
+
+
+def place_covariance_px2(
+    camera: Camera, points_in_target: Floats, pose: RigidTransform, sigmas: Mapping[str, float]
+) -> Floats:
+    """Return the covariance of each projection by where its point was surveyed, (n, 2, 2), px^2.
+
+    Parameters
+    ----------
+    camera : Camera
+    points_in_target : (n, 3) array, m
+    pose : RigidTransform
+    sigmas : mapping of str to float
+    """
+    by_place = _by_place(camera, points_in_target, pose)
+    return np.asarray(sigmas.get(PLACE, 0.0) ** 2 * by_place @ by_place.transpose(0, 2, 1))
 
 
 def _with(camera: Camera, key: str, value: float) -> Camera:

@@ -135,16 +135,28 @@ class PoseLight:
     Parameters
     ----------
     studio : Studio
-        Of a world of one frame; see ``scenario_at``.
+        Of a world of one frame (see ``scenario_at``), unless the frame is told.
     suns : sequence of NamedSun
+    exposures : sequence of Exposure, optional
+        Those of one frame.
+    worlds : list of World, optional
+        The studio's under each Sun, where they are there already.
     """
 
-    def __init__(self, studio: Studio, suns: Sequence[NamedSun]) -> None:
+    def __init__(
+        self,
+        studio: Studio,
+        suns: Sequence[NamedSun],
+        exposures: Sequence[Exposure] | None = None,
+        worlds: list[World] | None = None,
+    ) -> None:
         self.studio = studio
         self.suns = tuple(suns)
+        self.exposures = tuple(studio.world.exposures if exposures is None else exposures)
+        self._worlds = worlds
         self.poses: dict[int, RigidTransform] = {
             exposure.band: studio.world.trajectory.cam_from_target(exposure.time_s)
-            for exposure in studio.world.exposures
+            for exposure in self.exposures
         }
 
     @cached_property
@@ -153,7 +165,7 @@ class PoseLight:
         known, found = dict[str, GroupOfExposure](), []
         for world in self.worlds:
             own = []
-            for exposure in self.studio.world.exposures:
+            for exposure in self.exposures:
                 for group in world.lit_by(exposure):
                     key = self.studio.keys.group(exposure, self.poses[exposure.band], group)
                     own.append(known.setdefault(key, GroupOfExposure(exposure, group, key)))
@@ -170,7 +182,7 @@ class PoseLight:
                 group.name: self.studio.keys.group(exposure, self.poses[exposure.band], group)
                 for group in self.worlds[sun].lit_by(exposure)
             }
-            for exposure in self.studio.world.exposures
+            for exposure in self.exposures
         }
 
     def batches(self, suns: Sequence[int], absent: Collection[str], most: int) -> list[Batch]:
@@ -243,19 +255,21 @@ class PoseLight:
         (height, width) float32 array, m
             0 in space.
         """
-        (exposure,) = (each for each in self.studio.world.exposures if each.band == band)
+        (exposure,) = (each for each in self.exposures if each.band == band)
         return self.studio.pixel_truth(exposure, self.poses[band]).depth_m
 
     @cached_property
     def worlds(self) -> list[World]:
         """The world under each Sun, in the order of ``suns``."""
+        if self._worlds is not None:
+            return self._worlds
         scenario = self.studio.world.scenario
         tables = (scenario.sun.model_copy(update={"default": sun.text}) for sun in self.suns)
         return [world_of(scenario.model_copy(update={"sun": table})) for table in tables]
 
     def truths(self) -> dict[str, SealedRecord]:
         """Return the sealed record of the last exposure under each Sun, by ``NamedSun.text``."""
-        exposure = self.studio.world.exposures[-1]
+        exposure = self.exposures[-1]
         pose = self.poses[exposure.band]
         self.studio.build(exposure, pose)
         return {

@@ -14,6 +14,7 @@ from models.arrays import Image, Radiance
 from models.sensors.bayer_mosaic import mosaicked
 from models.spacecraft.line_of_sight import is_hidden
 from renders.detector.colour import colour_rates, electrons_of_band
+from renders.detector.drift import Drift
 from renders.detector.expose import (
     SUNLIGHT_NM,
     electron_rate,
@@ -57,6 +58,39 @@ def compose(
     (height, width) uint16 array, DN.
     """
     optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
+    drift = Drift.of(world.scenario.drift, run)
+    lit = groups if drift is None else drift.lit(groups, world.camera)
+    charges = [
+        mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m, drift)
+        for rate in rates_of(world, lit, exposure)
+    ]
+    mean_e = mosaicked(charges) if world.sensor.in_colour else charges[0]
+    if world.scenario.stars.shine and world.sky.shows_stars(exposure.time_s):
+        mean_e += star_electrons(world, exposure.time_s, exposure_ms, depth_m)
+    own_seed = world.scenario.exposure.noise_seed
+    key = (run, exposure.frame, exposure.band, *(() if own_seed is None else (own_seed,)))
+    radiation = world.scenario.simulated_radiation
+    particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)
+    return expose_electrons(mean_e, detector, exposure_rng(*key), particles_e)
+
+
+def rates_of(
+    world: World, groups: Mapping[LightGroup, Radiance], exposure: Exposure
+) -> list[Radiance]:
+    """Add light groups, and what the lens scatters of their Suns, up to electrons.
+
+    Parameters
+    ----------
+    world : World
+    groups : mapping of LightGroup to (height, width) arrays, W m-2 sr-1
+    exposure : Exposure
+
+    Returns
+    -------
+    list of (height, width) float32 arrays, e/s
+        Unblurred: one, or behind the red, the green and the blue filter.
+    """
+    optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
     in_colour = world.sensor.in_colour
     if in_colour:
         rates = colour_rates(groups, optics, detector)
@@ -67,17 +101,7 @@ def compose(
         if in_colour:
             electrons = electrons_of_band(sun.channel, optics, detector)
         rates[sun.channel] += glare * np.float32(electrons)
-    charges = [
-        mean_electrons(rate, exposure_ms, world.camera, optics, detector, depth_m) for rate in rates
-    ]
-    mean_e = mosaicked(charges) if in_colour else charges[0]
-    if world.scenario.stars.shine and world.sky.shows_stars(exposure.time_s):
-        mean_e += star_electrons(world, exposure.time_s, exposure_ms, depth_m)
-    own_seed = world.scenario.exposure.noise_seed
-    key = (run, exposure.frame, exposure.band, *(() if own_seed is None else (own_seed,)))
-    radiation = world.scenario.simulated_radiation
-    particles_e = radiation_hits(radiation, detector, mean_e.shape, exposure_ms, key)
-    return expose_electrons(mean_e, detector, exposure_rng(*key), particles_e)
+    return rates
 
 
 def _glares(

@@ -18,6 +18,7 @@ from models.errors import ScenarioError
 from models.sensors.camera_chip import Detector, Optics, photon_energy_j
 from renders.detector.blooming import bloom
 from renders.detector.defocus import circle_of_confusion_px, defocused
+from renders.detector.drift import Drift, Part
 from renders.detector.point_spread import blur
 from renders.detector.veiling_glare import veiled
 from renders.tracing.light_groups import LampGroup, LightGroup
@@ -119,6 +120,8 @@ def mean_electrons(
     optics: Optics,
     detector: Detector,
     depth_m: Radiance | None = None,
+    drift: Drift | None = None,
+    part: Part | None = None,
 ) -> Floats:
     """Return the expected charge of each pixel before the full well.
 
@@ -132,6 +135,10 @@ def mean_electrons(
     detector : Detector
     depth_m : (height, width) array, m, optional
         What a lens with a focus needs beside the light.
+    drift : Drift, optional
+        What the lens has become.
+    part : (slice, slice), optional
+        Rows and columns that ``rate_e_s`` is of; the whole image unless given.
 
     Returns
     -------
@@ -142,6 +149,7 @@ def mean_electrons(
     ScenarioError
         If it needs depth and there is none.
     """
+    here = part or (slice(0, camera.height), slice(0, camera.width))
     if optics.focus_m > 0.0:
         if depth_m is None:
             raise ScenarioError(
@@ -150,13 +158,17 @@ def mean_electrons(
             )
         circle_px = circle_of_confusion_px(depth_m, optics, camera, detector)
         rate_e_s = defocused(rate_e_s, circle_px).astype(np.float32)
-    charge = blur(rate_e_s, optics.psf_sigma_px)
+    if drift is None:
+        charge = blur(rate_e_s, optics.psf_sigma_px)
+    else:
+        charge = drift.blurred(rate_e_s, optics.psf_sigma_px, camera, here)
+        charge *= drift.darkened(camera, here)
     if optics.vignetting:
-        charge *= vignetting(camera)
+        charge *= vignetting(camera)[here]
     if optics.veiling_glare > 0.0:
         charge = veiled(charge, optics.veiling_glare, optics.veiling_glare_px)
     if detector.prnu > 0.0:
-        charge *= pixel_response(camera.height, camera.width, detector.prnu)
+        charge *= pixel_response(camera.height, camera.width, detector.prnu)[here]
     return (charge + detector.dark_current_e_s) * (exposure_ms * 1e-3)
 
 

@@ -3,9 +3,8 @@
 A star of irradiance ``E`` puts ``E pi/4 (f/N)^2 cos(off axis) tau QE / (h c / lambda)`` electrons a
 second on the chip: the entrance pupil's area, foreshortened, where a scene's radiance has the
 fourth power of the cosine (the other three are a pixel's solid angle, which a point does not know).
-They fall as the lens's Gaussian point spread averaged over pixels, evaluated where the star is: so
-the centroid is exact but for what pixels of that size must lose (0.003 px at 0.5 px of spread). A
-lens with a focus adds the circle that infinity has.
+They fall as ``renders.detector.point_lights`` has it. A lens with a focus adds the circle that
+infinity has.
 
 While the shutter is open a star moves as the camera turns among the stars: in the approach by 0.01
 to 0.07 px a second (who is on a straight way to a target sees it stand before the stars), by 1.1 px
@@ -19,7 +18,6 @@ Hidden is a star whose central pixel meets a part (depth), or that stands behind
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import erf
 
 from models.arrays import Floats, Mask, Radiance
 from models.camera import Camera
@@ -29,12 +27,11 @@ from models.sensors.camera_chip import Detector, Optics, photon_energy_j
 from models.sky.star_catalogue import bright_stars
 from renders.detector.defocus import circle_of_confusion_px, defocused
 from renders.detector.expose import SUNLIGHT_NM, pixel_response
+from renders.detector.point_lights import add_points
 from renders.world.world import World
 
 STILL_PX = 0.1  # a star that moves less is drawn once
 STEP_PX = 0.25  # from one instant of a moving star to the next
-REACH = 6.0  # of the point spread, in sigmas
-SHARPEST_PX = 1e-3  # a point spread below it is this, well within one pixel
 
 
 def electrons_per_irradiance(optics: Optics, camera: Camera, detector: Detector) -> float:
@@ -87,7 +84,7 @@ def star_electrons(
         if optics.vignetting:
             per_second = per_second * off_axis
         electrons = per_second * (exposure_ms * 1e-3 / len(instants))
-        _deposit(charge, pixels, electrons, optics.psf_sigma_px)
+        add_points(charge, pixels, electrons, optics.psf_sigma_px)
     if optics.focus_m > 0.0:
         infinity = circle_of_confusion_px(np.zeros_like(charge), optics, camera, detector)
         charge = defocused(charge, infinity)
@@ -153,21 +150,3 @@ def _instants(world: World, time_s: float, exposure_s: float) -> Floats:
     farthest_px = float(np.linalg.norm(turn - np.eye(3), 2)) * max(world.camera.fx, world.camera.fy)
     count = 1 if farthest_px < STILL_PX else int(np.ceil(farthest_px / STEP_PX)) + 1
     return time_s + exposure_s * ((np.arange(count) + 0.5) / count - 0.5)
-
-
-def _deposit(charge: Floats, pixels: Floats, electrons: Floats, sigma_px: float) -> None:
-    """Add stars to the charge, each spread by the lens; what falls beside the chip is lost."""
-    height, width = charge.shape
-    sigma = max(sigma_px, SHARPEST_PX)
-    reach = int(np.ceil(REACH * sigma)) + 1
-    for (u, v), star_e in zip(pixels.tolist(), electrons, strict=True):
-        columns = np.arange(max(round(u) - reach, 0), min(round(u) + reach + 1, width))
-        rows = np.arange(max(round(v) - reach, 0), min(round(v) + reach + 1, height))
-        spread = np.outer(_averaged(rows - v, sigma), _averaged(columns - u, sigma))
-        charge[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] += star_e * spread
-
-
-def _averaged(aside_px: Floats, sigma_px: float) -> Floats:
-    """Return the share of a Gaussian that pixels of a line hold whose centres are so far aside."""
-    scale = 1.0 / (np.sqrt(2.0) * sigma_px)
-    return np.asarray(0.5 * (erf((aside_px + 0.5) * scale) - erf((aside_px - 0.5) * scale)))

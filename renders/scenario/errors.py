@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Mapping
 from types import NoneType
 from typing import Any, get_args
@@ -22,7 +23,7 @@ EXPECTATIONS = {
     "less_than_equal": "of at most {le:g}",
     "int_parsing_size": "to be a whole number of fewer digits",
     "string_too_long": "to be at most {max_length} characters",
-    "string_pattern_mismatch": "of letters, digits, - and _ alone",
+    "string_pattern_mismatch": "of {letters}",
     "not_printable": "to be printable text",
     "not_a_name": "to be printable text on one line",
     "finite_number": "to be finite",
@@ -38,6 +39,7 @@ EXPECTATIONS = {
     "tuple_type": "to be a list",
     "model_type": "to be a table",
     "too_long": "to be a list of {max_length}",
+    "too_short": "to be a list of at least {min_length}",
     "missing": "to be a list of {length}",
 }
 """What pydantic's kinds of error come to, in the words of someone who writes TOML."""
@@ -66,10 +68,26 @@ def explain(
     options : mapping of str to str
         Keys that were typed as options, and the option's name.
     """
-    faults = error.errors()
+    faults = [fault for fault in error.errors() if not _follows(fault, error)]
     said = dict.fromkeys(_item(dict(item), root, options) for item in faults[:MOST_SAID])
     more = [f"and {len(faults) - MOST_SAID} more"] if len(faults) > MOST_SAID else []
     return f"{where}: " + "; ".join([*said, *more])
+
+
+def _follows(fault: Any, error: ValidationError) -> bool:
+    """Tell whether a list is only too short because what is in it was refused."""
+    place = fault["loc"]
+    return fault["type"] == "too_short" and any(
+        other["loc"][: len(place)] == place and len(other["loc"]) > len(place)
+        for other in error.errors()
+    )
+
+
+def _letters(pattern: str) -> str:
+    """Return in words what a pattern such as ``^[A-Za-z0-9_-]{1,32}$`` lets through."""
+    signs = re.findall(r"\[A-Za-z0-9([^A-Za-z0-9\]]*)\]", pattern)
+    told = ["letters", "digits", *(signs[-1] if signs else "")]
+    return f"{', '.join(told[:-1])} and {told[-1]} alone"
 
 
 def _item(item: dict[str, Any], root: type[BaseModel], options: Mapping[str, str]) -> str:
@@ -84,7 +102,9 @@ def _item(item: dict[str, Any], root: type[BaseModel], options: Mapping[str, str
     length = len(get_args(field.annotation)) if field is not None else 0
     expected = f"otherwise ({shown_line(item['msg'].lower())})"
     if kind in EXPECTATIONS:
-        expected = EXPECTATIONS[kind].format(length=length, **item.get("ctx", {}))
+        told = item.get("ctx", {})
+        letters = _letters(told.get("pattern", ""))
+        expected = EXPECTATIONS[kind].format(length=length, letters=letters, **told)
         if kind in OUT_OF_RANGE and field is not None:
             expected = _range(field) or expected
     hint = f" ({field.description})" if field is not None and field.description else ""

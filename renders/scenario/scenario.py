@@ -37,7 +37,9 @@ from renders.scenario.camera_tables import (
     check_lens,
 )
 from renders.scenario.case_files import MOST_SCENARIO_BYTES, case_path
+from renders.scenario.drift_table import DriftTable
 from renders.scenario.embedded_files import with_files_read
+from renders.scenario.error_sets import ErrorSetName, check_error_set, with_error_set
 from renders.scenario.errors import explain
 from renders.scenario.frame_checks import check_frames
 from renders.scenario.light_tables import (
@@ -156,6 +158,11 @@ class Scenario(Table):
     )
     arm: ArmTable | None = Field(None, description="the chaser's arm, where it moves")
     told: ToldTable | None = Field(None, description="what a pipeline is told otherwise")
+    drift: DriftTable | None = Field(None, description="what lamps and lens have become")
+    errors: ErrorSetName | None = Field(
+        None,
+        description="a named set of errors in place of [prior], [calibration], [told] and [drift]",
+    )
     surface: Annotated[tuple[SurfaceTable, ...], Field(strict=False, max_length=100)] | None = (
         Field(None, description="materials of this specimen that differ from the house's")
     )
@@ -316,6 +323,9 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     if scenario.markers is not None:
         markers_from(scenario.markers, where)
     check_arm(scenario, where)
+    check_error_set(scenario, where)
+    if scenario.errors is not None:
+        scenario = with_error_set(scenario, scenario.errors)
     check_told(scenario, where)
     return scenario
 

@@ -12,6 +12,8 @@ from models.motion.prior import draw_prior
 from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
+from renders.detector.drift import drift_sigmas
+from renders.scenario.drift_table import DriftTable
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
 from renders.world.arm_told import FirstPoseByArm, ToldArm
 from renders.world.bodies import Bodies
@@ -74,6 +76,8 @@ class BeforeFlight:
         How what is told differs from all this.
     arm : ToldArm or None
         The chaser's arm, where it moves.
+    drift : DriftTable or None
+        What lamps and lens have become; its sigmas are told.
     """
 
     camera: Camera
@@ -86,6 +90,7 @@ class BeforeFlight:
     psf_sigma_px: float = 0.0
     told: ToldTable | None = None
     arm: ToldArm | None = None
+    drift: DriftTable | None = None
 
     def in_run(self, run: int) -> OnboardKnowledge:
         """Return what a run has on board: its own prior, and its own errors of all that is told.
@@ -111,6 +116,7 @@ class BeforeFlight:
             wireframe=self.wireframe,
             expectations=self.expectations,
             psf_sigma_px=self.psf_sigma_px,
+            sigmas=drift_sigmas(self.drift, self.psf_sigma_px),
             tables={} if self.arm is None else self.arm.tables(run),
         )
         return told(true, self.told, self.calibration, run)

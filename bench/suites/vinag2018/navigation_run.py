@@ -13,6 +13,7 @@ from bench.suites.vinag2018.cases import Case
 from bench.suites.vinag2018.faults import Faults
 from bench.suites.vinag2018.flight import Flight
 from bench.suites.vinag2018.sensing import Sensors, TrueInstant, sensed
+from bench.suites.vinag2018.star_images import ImagedStars
 from bench.suites.vinag2018.true_motion import ModelledMotion, RealMotion, TrueMotion
 from models.arrays import Floats
 from models.gnss.range_errors import RangeErrors
@@ -21,6 +22,7 @@ from models.gnss.tracking_noise import TrackingLoops
 from models.motion.perturbed_orbit import lvlh_axes
 from models.quaternions import conjugate, from_rotation_vector, multiplied, to_rotation_vector
 from models.sensors.inertial_unit import InertialUnit
+from models.sensors.star_camera import star_camera
 from models.sensors.star_sensor import StarSensor
 from pipelines.absolute.error_state import (
     ACCELERATION,
@@ -64,6 +66,8 @@ class NavigationTask:
     star_rate_hz : int, Hz
         Of the star sensor.
     faults : Faults
+    star_pixels : int
+        Of a star camera, a side, whose images are looked at; 0 for the sensor of the data sheet.
     """
 
     case: Case
@@ -78,6 +82,7 @@ class NavigationTask:
     each_sample: bool = False
     star_rate_hz: int = 5
     faults: Faults = field(default_factory=Faults)
+    star_pixels: int = 0
 
 
 def navigate(task: NavigationTask) -> Outcome:
@@ -93,13 +98,18 @@ def navigate(task: NavigationTask) -> Outcome:
         a modelled truth ``nees_whole`` of all 17, (n, runs);
         ``axes`` (n, 3, 3), of run 0's truth, columns radial, along, normal; ``used`` (n,)
         satellites, ``edited`` and ``named``, whether a liar is called one (n, runs). Over all:
-        ``doubts`` and ``refused`` star frames (runs,). Seconds of one core, all in one.
+        ``doubts`` and ``refused`` star frames (runs,), and ``unseen`` ones, in which a star camera
+        found nothing, (1,). Seconds of one core, all in one.
     """
     began = time.process_time()
     options = absolute_options_for(task.variant, task.case.regime, task.correlated)
     if not task.mask:
         options = replace(options, mask_height_m=-np.inf)
     flight = Flight(task.case, task.duration_s)
+    imaged = None
+    if task.star_pixels:
+        key = (task.seed, *task.runs)
+        imaged = ImagedStars(flight, star_camera(task.star_pixels), key)
     sensors = Sensors(
         InertialUnit(),
         StarSensor(rate_hz=task.star_rate_hz),
@@ -108,6 +118,7 @@ def navigate(task: NavigationTask) -> Outcome:
         ReceiverClock(),
         task.faults,
         task.each_sample,
+        imaged,
     )
     motion: TrueMotion = RealMotion(flight)
     if task.modelled:
@@ -129,6 +140,7 @@ def navigate(task: NavigationTask) -> Outcome:
     values = {name: each.astype(np.float32) for name, each in values.items()}
     values["doubts"] = navigator.integrity.doubts.astype(np.float32)
     values["refused"] = navigator.integrity.refused_stars.astype(np.float32)
+    values["unseen"] = np.array([0.0 if imaged is None else imaged.refused], dtype=np.float32)
     return Outcome(values, np.array([time.process_time() - began]))
 
 

@@ -9,7 +9,7 @@ from bench.report.numbers import number
 from bench.report.page import Page, write_page
 from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
-from bench.suites.vinag2018 import figures, tables
+from bench.suites.vinag2018 import figures, star_figure, star_tables, tables
 from bench.suites.vinag2018.cases import CASES, published
 from bench.suites.vinag2018.results import Flown, Outcomes, Results
 
@@ -184,6 +184,8 @@ def _others(outcomes: Outcomes, results: Results) -> list[Section]:
                 tables=(TitledTable("Faults", tables.fault_table(results.faults), wide=True),),
             )
         )
+    if results.surveyed:
+        sections.append(_stars(results, outcomes.plan.sizes.seed))
     if results.sampled is not None:
         sections.append(
             Section(
@@ -193,3 +195,29 @@ def _others(outcomes: Outcomes, results: Results) -> list[Section]:
             )
         )
     return sections
+
+
+def _stars(results: Results, seed: int) -> Section:
+    return Section(
+        "A star sensor that sees",
+        text="Star images of 20 deg: stars to magnitude 6.5, the sky, the Sun's light past the "
+        "baffle, particles, hot pixels. Each is identified by itself, without a prior, and solved; "
+        "a frame that is not sure is refused. The bound is that of all stars' places in a frame.",
+        figures=(
+            Figure(
+                svg_address(star_figure.star_figure(seed)),
+                "A star frame, its identified stars circled",
+                f"The first attitude of: {star_figure.SHOWN_SKY}. The names are the stars' numbers "
+                "in the Hipparcos catalogue.",
+            ),
+        ),
+        tables=(
+            TitledTable("Attitudes without a prior", star_tables.survey_table(results.surveyed),
+                        wide=True, heading=True),
+            TitledTable("The filter on star images, LEO, best",
+                        star_tables.star_flight_table(results.flights["stars"]),
+                        wide=True, heading=True),
+        ),
+        note="Wrong: further off than 100 arcsec about any axis. What limits sensors of this class "
+        "in flight, a calibration that drifts, is not simulated.",
+    )  # fmt: skip

@@ -12,6 +12,8 @@ from bench.suites.vinag2018.cases import CASES, GAINS_DBI, GEO, LEO, Case
 from bench.suites.vinag2018.faults import Faults
 from bench.suites.vinag2018.navigation_bound import BoundTask, bound
 from bench.suites.vinag2018.navigation_run import NavigationTask, navigate
+from bench.suites.vinag2018.star_plan import PIXELS, star_options_text, survey_units
+from bench.suites.vinag2018.star_survey import SKIES
 from models.errors import ScenarioError
 from models.gnss import transmit_pattern
 from models.gravity import field as gravity_field
@@ -20,7 +22,8 @@ from models.reading.options import check_option
 from pipelines.absolute.options import VARIANTS, absolute_options_for
 
 PARTS = (
-    "leo", "geo", "model", "lasting", "mask", "faults", "sampling", "availability", "dataset",
+    "leo", "geo", "model", "lasting", "mask", "faults", "sampling", "availability", "stars",
+    "dataset",
 )  # fmt: skip
 DATASET_S = 600.0  # of the flight that is written as a dataset
 CHUNK = 10  # runs of one unit, one batch
@@ -36,6 +39,7 @@ FAULTS = {
 }
 # Seconds on one core of 2025 that a frame takes before any was timed here: of a run, of a frame.
 FRAME_S, FRAME_OF_RUN_S, LASTING_TIMES, BOUND_S = 0.8e-3, 1.0e-4, 8.0, 2.5e-4
+STAR_FRAME_S = 0.4
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,12 @@ class Sizes:
         Of that orbit, in GEO, where it is a day.
     star_rate_hz : int, Hz
         Of the star sensor; the paper's is 5.
+    acquisitions : int
+        Attitudes that a star camera finds without a prior, under each sky.
+    star_flights : int
+        Runs whose star sensor is a camera, its frames rendered one by one.
+    star_flight_s : float, s
+        How long they last.
     seed : int
     """
 
@@ -62,10 +72,13 @@ class Sizes:
     duration_s: float | None = None
     geo_share: float = 1.0
     star_rate_hz: int = 5
+    acquisitions: int = 1000
+    star_flights: int = 2
+    star_flight_s: float = 600.0
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("runs", "seeds"):
+        for name in ("runs", "seeds", "acquisitions"):
             check_option(f"--{name}", getattr(self, name), 1, MOST_RUNS, whole=True)
         check_option("--seed", self.seed, 0, MOST_SEED, whole=True)
         if self.duration_s is not None and not 60.0 <= self.duration_s <= 1e6:
@@ -82,7 +95,15 @@ class Sizes:
         return float(round(share * FULL_TURN_RAD / mean_motion(1e3 * case.axis_km)))
 
 
-QUICK = Sizes(runs=4, seeds=2, geo_share=0.25, star_rate_hz=1)
+QUICK = Sizes(
+    runs=4,
+    seeds=2,
+    geo_share=0.25,
+    star_rate_hz=1,
+    acquisitions=100,
+    star_flights=1,
+    star_flight_s=120.0,
+)
 
 
 @dataclass(frozen=True)
@@ -100,6 +121,8 @@ class Cell:
     star_rate_hz : int, Hz
     fault : str
         Among ``FAULTS``; empty for none.
+    star_pixels : int
+        Of a star camera in place of the data sheet's sensor; 0 for none.
     """
 
     case: Case
@@ -112,12 +135,15 @@ class Cell:
     each_sample: bool = False
     star_rate_hz: int = 5
     fault: str = ""
+    star_pixels: int = 0
 
     @property
     def folder(self) -> str:
         """Where its outcomes are kept."""
         marks = [name for name in ("modelled", "lasting", "each_sample") if getattr(self, name)]
         marks += [] if self.mask else ["unmasked"]
+        if self.star_pixels:
+            marks.append(f"star_images_{self.star_pixels}")
         if self.fault:
             marks.append(f"fault_{list(FAULTS).index(self.fault)}")
         return "_".join([self.case.key, *marks, f"{self.span_s:.0f}s", f"{self.star_rate_hz}hz"])
@@ -177,6 +203,10 @@ class Plan:
             span_s = min(SAMPLED_S, self.sizes.span_s(SAMPLED_CASE))
             one = replace(self.cell(SAMPLED_CASE, "best", 1), span_s=span_s, star_rate_hz=5)
             return [one, replace(one, each_sample=True)]
+        if part == "stars":
+            span_s = min(self.sizes.star_flight_s, self.sizes.span_s(LEO))
+            one = replace(self.cell(LEO, "best", self.sizes.star_flights), span_s=span_s)
+            return [one, replace(one, star_pixels=PIXELS)]
         return []
 
     def units(self) -> list[WorkUnit]:
@@ -191,16 +221,24 @@ class Plan:
         if "availability" in self.parts:
             for own in self.counted():
                 found.setdefault(self.count(own).name, self.count(own))
+        if "stars" in self.parts:
+            for sky in SKIES:
+                found.update({unit.name: unit for unit in self.surveyed(sky)})
         return list(found.values())
+
+    def surveyed(self, sky: str) -> list[WorkUnit]:
+        """Return the units of the attitudes under a sky."""
+        return survey_units(sky, self.sizes.acquisitions, self.sizes.seed)
 
     def flown(self, cell: Cell) -> list[WorkUnit]:
         """Return the units of a cell's runs."""
         faults = FAULTS.get(cell.fault, Faults())
         frames = cell.span_s * (100.0 if cell.each_sample else cell.star_rate_hz)
         times = LASTING_TIMES if cell.lasting and cell.variant == "best" else 1.0
+        chunk = 1 if cell.star_pixels else CHUNK
         units = []
-        for first in range(0, cell.runs, CHUNK):
-            runs = tuple(range(first, min(first + CHUNK, cell.runs)))
+        for first in range(0, cell.runs, chunk):
+            runs = tuple(range(first, min(first + chunk, cell.runs)))
             units.append(
                 WorkUnit(
                     name=f"flights/{cell.folder}/{cell.variant}/runs_{runs[0]:04d}_{runs[-1]:04d}",
@@ -208,7 +246,8 @@ class Plan:
                     task=NavigationTask(
                         case=cell.case,
                         variant=cell.variant,
-                        options=options_text(cell.variant, cell.case.regime, cell.lasting),
+                        options=options_text(cell.variant, cell.case.regime, cell.lasting)
+                        + (star_options_text() if cell.star_pixels else ""),
                         duration_s=cell.span_s,
                         seed=self.sizes.seed,
                         runs=runs,
@@ -218,9 +257,14 @@ class Plan:
                         each_sample=cell.each_sample,
                         star_rate_hz=cell.star_rate_hz,
                         faults=faults,
+                        star_pixels=cell.star_pixels,
                     ),
-                    kind=f"flight, {cell.variant}{', lasting errors' if cell.lasting else ''}",
-                    expected_s=frames * times * (FRAME_S + FRAME_OF_RUN_S * len(runs)),
+                    kind="flight, star images"
+                    if cell.star_pixels
+                    else f"flight, {cell.variant}{', lasting errors' if cell.lasting else ''}",
+                    expected_s=frames * STAR_FRAME_S
+                    if cell.star_pixels
+                    else frames * times * (FRAME_S + FRAME_OF_RUN_S * len(runs)),
                 )
             )
         return units

@@ -11,6 +11,8 @@ from bench.suites.units import Outcome, done_outcome
 from bench.suites.vinag2018.availability import STATES
 from bench.suites.vinag2018.cases import CASES, Case
 from bench.suites.vinag2018.plan import Cell, Plan
+from bench.suites.vinag2018.star_results import Surveyed, surveyed
+from bench.suites.vinag2018.star_survey import SKIES
 from bench.suites.vinag2018.summaries import (
     BoundSummary,
     FlightSummary,
@@ -20,6 +22,7 @@ from bench.suites.vinag2018.summaries import (
 )
 
 LAST_S = 100.0  # of a flight with a fault: well after it
+UNBOUNDED = ("mask", "stars")  # parts whose flights have no bound of their own
 STARTED_S = 60  # seconds of a sampled flight that are left out
 
 
@@ -104,6 +107,7 @@ class Results:
     counted: tuple[Counted, ...]
     faults: tuple[FaultOutcome, ...]
     sampled: Sampled | None
+    surveyed: tuple[Surveyed, ...]
 
 
 class Outcomes:
@@ -141,9 +145,15 @@ class Outcomes:
             If a unit is not done.
         """
         parts = self.plan.parts
-        flown = [part for part in parts if part in (*CASES, "model", "lasting", "mask")]
+        flown = [part for part in parts if part in (*CASES, "model", "lasting", "mask", "stars")]
         return Results(
-            flights={part: tuple(map(self._flown, self.plan.flights(part))) for part in flown},
+            flights={
+                part: tuple(
+                    self._flown(cell, bounded=part not in UNBOUNDED)
+                    for cell in self.plan.flights(part)
+                )
+                for part in flown
+            },
             counted=(
                 tuple(map(self._counted, self.plan.counted())) if "availability" in parts else ()
             ),
@@ -151,10 +161,13 @@ class Outcomes:
             if "faults" in parts
             else (),
             sampled=self._sampled() if "sampling" in parts else None,
+            surveyed=tuple(map(self._surveyed, SKIES)) if "stars" in parts else (),
         )
 
-    def _flown(self, cell: Cell) -> Flown:
-        bounded = cell.mask
+    def _surveyed(self, sky: str) -> Surveyed:
+        return surveyed(sky, [done_outcome(self.folder, unit) for unit in self.plan.surveyed(sky)])
+
+    def _flown(self, cell: Cell, bounded: bool) -> Flown:
         return Flown(
             cell,
             flight_summary(self.flights(cell), cell.modelled),

@@ -12,6 +12,7 @@ import numpy as np
 
 from bench.suites.vinag2018.faults import Faults
 from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.star_images import ImagedStars
 from bench.suites.vinag2018.true_motion import TrueMotion
 from models.arrays import Floats
 from models.gnss.range_errors import LastingErrors, RangeErrors
@@ -47,6 +48,8 @@ class Sensors:
     faults : Faults
     each_sample : bool
         Whether every sample of the gyroscopes is a record, or their sum between star frames.
+    images : ImagedStars or None
+        The star sensor as a camera, in place of ``stars``, whose rate stays; for one run at a time.
     """
 
     unit: InertialUnit
@@ -56,6 +59,7 @@ class Sensors:
     clock: ReceiverClock
     faults: Faults
     each_sample: bool = False
+    images: ImagedStars | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +100,14 @@ def sensed(
     Yields
     ------
     (record, None) or (None, truth)
+
+    Raises
+    ------
+    ValueError
+        If there are star images and more than one run.
     """
+    if sensors.images is not None and len(runs) != 1:
+        raise ValueError(f"expected one run with star images, got {len(runs)}")
     per_second = round(sensors.stars.rate_hz)
     frame_s = 1.0 / per_second
     per_block = round(BLOCK_S / frame_s)
@@ -135,9 +146,9 @@ def sensed(
             yield from _inertial(sensors, measured, now_s, frame_s)
             wandering = left * wandering + fresh * bias_draws[:, frame]
             clock = sensors.clock.after(clock, frame_s, clock_draws[:, frame])
-            seen = sensors.stars.measured(turns[frame], stars[:, frame])
-            star = StarAttitude(now_s, seen, sensors.stars.covariance_rad2)
-            yield sensors.faults.of_stars(star, frame_s), None
+            star = _star_attitude(sensors, now_s, turns[frame], stars[:, frame], measured, frame_s)
+            if star is not None:
+                yield sensors.faults.of_stars(star, frame_s), None
             if (frame + 1) % per_second:
                 continue
             second = (frame + 1) // per_second - 1
@@ -157,6 +168,22 @@ def sensed(
             if told is not None:
                 yield told, None
             yield None, TrueInstant(now_s, states[:, frame], turns[frame], bias, clock)
+
+
+def _star_attitude(
+    sensors: Sensors,
+    now_s: float,
+    q_inertial_from_body_wxyz: Floats,
+    draws: Floats,
+    measured: Floats,
+    frame_s: float,
+) -> StarAttitude | None:
+    """Return what the star sensor says, by its data sheet or by an image; None if it refuses."""
+    if sensors.images is None:
+        seen = sensors.stars.measured(q_inertial_from_body_wxyz, draws)
+        return StarAttitude(now_s, seen, sensors.stars.covariance_rad2)
+    rate = measured[0].sum(axis=0) / frame_s
+    return sensors.images.attitude(now_s, q_inertial_from_body_wxyz, rate)
 
 
 def _inertial(

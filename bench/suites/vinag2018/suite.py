@@ -9,7 +9,7 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.report.numbers import NONE, number
+from bench.report.numbers import NONE, number, share
 from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
@@ -34,7 +34,7 @@ def plan_of(request: SuiteRequest) -> Plan:
     ScenarioError
         If a part or a size is none, or is one of another suite.
     """
-    asked = request.sizes("runs", "seeds", "duration_s")
+    asked = request.sizes("runs", "seeds", "acquisitions", "duration_s")
     sizes = replace(QUICK if request.quick else Sizes(), seed=request.seed, **asked)
     return Plan(sizes, request.parts or PARTS)
 
@@ -93,7 +93,7 @@ def _summary(results: Results) -> list[list[str]]:
     """Return a line for each flown cell: its errors, over its bound, and how honest it is."""
     rows = [["", "radial, along, normal, m", "over bound", "NEES", "attitude, deg"]]
     for part, flown in results.flights.items():
-        for own in flown:
+        for own in flown if part != "stars" else ():
             over = NONE if own.bound is None else number(own.flight.rms_m / own.bound.position_m)
             named = part if part in CASES else f"{part}, {own.cell.case.key}"
             rows.append(
@@ -105,4 +105,32 @@ def _summary(results: Results) -> list[list[str]]:
                     number(own.flight.attitude_deg, 2),
                 ]
             )
+    return rows + _star_rows(results)
+
+
+def _star_rows(results: Results) -> list[list[str]]:
+    """Return a line for each sky, and for each star sensor that a filter flew with."""
+    rows = []
+    if results.surveyed:
+        rows.append(["star frames", "identified, wrong", "over bound", "NEES", "across, arcsec"])
+    for sky in results.surveyed:
+        rows.append(
+            [
+                f"{sky.sky}, {sky.attitudes} attitudes",
+                f"{share(sky.identified)}, {sky.wrong}",
+                number(sky.across_over_bound),
+                number(sky.nees),
+                number(sky.across_arcsec),
+            ]
+        )
+    for own in results.flights.get("stars", ()):
+        rows.append(
+            [
+                f"flight, {'star images' if own.cell.star_pixels else 'star data sheet'}",
+                f"{own.flight.unseen} frames without attitude",
+                NONE,
+                number(own.flight.attitude.mean),
+                f"{number(own.flight.attitude_deg, 2)} deg",
+            ]
+        )
     return rows

@@ -40,6 +40,8 @@ class FlightSummary:
         Satellites left out, an epoch.
     refused, doubts : int
         Star frames refused, and times that a filter doubted itself.
+    unseen : int
+        Star frames in which a camera found no attitude.
     """
 
     runs: int
@@ -56,6 +58,7 @@ class FlightSummary:
     edited: float
     refused: int
     doubts: int
+    unseen: int = 0
 
 
 @dataclass(frozen=True)
@@ -128,6 +131,7 @@ def flight_summary(outcomes: Sequence[Outcome], modelled: bool = False) -> Fligh
         edited=float(stacked(outcomes, "edited")[own].mean()),
         refused=int(sum(each.values["refused"].sum() for each in outcomes)),
         doubts=int(sum(each.values["doubts"].sum() for each in outcomes)),
+        unseen=int(sum(each.values["unseen"].sum() for each in outcomes)),
     )
 
 

@@ -213,7 +213,8 @@ def _pieces(path: Path, scene: Any) -> Iterator[Piece]:
     looks: dict[str, Look] = {}
     texture_px = 0
     order = {name: number for number, name in enumerate(scene.geometry)}
-    nodes = [(*scene.graph[node], str(node)) for node in scene.graph.nodes_geometry]
+    with np.errstate(all="ignore"):
+        nodes = [(*scene.graph[node], str(node)) for node in scene.graph.nodes_geometry]
     for place, name, _ in sorted(nodes, key=lambda node: (order[node[1]], len(node[2]), node[2])):
         mesh = scene.geometry[name]
         faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), dtype=np.int64)
@@ -226,7 +227,8 @@ def _pieces(path: Path, scene: Any) -> Iterator[Piece]:
             bad = int(np.argmin((np.abs(vertices) <= MOST_COORDINATE).all(axis=1)))
             raise UnreadableError(
                 path,
-                f"expected vertices as finite numbers, got {vertices[bad].tolist()} as vertex "
+                f"expected vertices as finite numbers below {MOST_COORDINATE:g}, got "
+                f"{vertices[bad].tolist()} as vertex "
                 f"{bad} of {shown_line(str(name))!r}; export the mesh anew",
             )
         if faces.min() < 0 or faces.max() >= len(vertices) or len(faces) > MOST_FACES:

@@ -142,10 +142,16 @@ def test_what_is_no_file_of_estimates_is_refused(tumble, tmp_path, capsys, kind)
     assert "expected" in told
 
 
+@pytest.mark.parametrize("name", [".", "..", "/"])
+def test_a_name_of_no_file_is_refused(tumble, name, capsys):
+    assert main(["score", str(tumble.folder), "--estimates", name]) == 2
+    assert "expected --estimates as a file" in capsys.readouterr().err
+
+
 def test_another_tools_file_is_not_written_over(tumble, tmp_path, capsys):
     path = WRITERS["bop"](tmp_path / "mine.csv", said_truth(tumble))
     typed = ["score", str(tumble.folder), "--estimates", str(path), "--vsd-px", "0"]
-    theirs = tmp_path / "mine.score.json"
+    theirs = tmp_path / "mine.csv.score.json"
     theirs.write_text('{"accuracy": 1.0}')
     for out in ([], ["--out", str(theirs)], ["--out", str(path)]):
         assert main([*typed, *out]) == 2

@@ -100,7 +100,7 @@ def test_frames_left_out_are_lost_and_counted(tumble, tmp_path, file_format, cap
     typed = ["score", str(tumble.folder), "--estimates", str(path), "--vsd-px", "0"]
     assert main(typed) == 0
     assert "2 of 8 frames have no row: lost" in capsys.readouterr().out
-    own = json.loads((tmp_path / "mine.score.json").read_text())["methods"]["mine"]
+    own = json.loads((tmp_path / f"{path.name}.score.json").read_text())["methods"]["mine"]
     told = own["measures"]
     assert (own["missing"], told["frames"], told["estimated"]) == (2, 8, 6)
     assert sum(told["lost"].values()) == 2
@@ -132,7 +132,7 @@ def test_one_of_several_scenes_and_objects_is_chosen(tumble, tmp_path, capsys):
     assert main(typed) == 2
     assert "choose one by --scene" in capsys.readouterr().err
     assert main([*typed, "--scene", "4"]) == 0
-    told = json.loads((tmp_path / "mine.score.json").read_text())["methods"]["mine"]["measures"]
+    told = json.loads((tmp_path / "mine.csv.score.json").read_text())["methods"]["mine"]["measures"]
     assert told["attitude_error_deg"]["p95"] < NOTHING_DEG
     assert main([*typed, "--scene", "6"]) == 2
     assert "expected a row of scene_id 6, got none" in capsys.readouterr().err

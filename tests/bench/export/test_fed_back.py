@@ -169,7 +169,7 @@ def test_one_split_is_judged_alone(merged, tumble, tmp_path, capsys):
     typed = ["score", str(tumble), "--estimates", str(path), "--exported", str(merged)]
     assert main([*typed, "--split", "test"]) == 0
     assert "have no row" not in capsys.readouterr().out
-    own = json.loads((tmp_path / "mine.score.json").read_text())["methods"]["mine"]
+    own = json.loads((tmp_path / "mine.csv.score.json").read_text())["methods"]["mine"]
     assert_perfect(own, 1)
     assert [row["frame"] for row in own["per_frame"]] == [int(kept)]
 
@@ -190,7 +190,7 @@ def test_an_export_that_is_not_of_the_dataset_is_refused(
     message = capsys.readouterr().err
     assert told in message
     assert message.count("rvbench: ") == 1
-    assert not (tmp_path / "mine.score.json").exists()
+    assert not (tmp_path / "mine.csv.score.json").exists()
 
 
 def test_an_exports_own_lists_are_believed_only_as_far_as_they_can_be(

@@ -235,6 +235,17 @@ def test_image_pairs_of_a_target_with_markers_are_drawn_too(tmp_path: Path) -> N
     assert frames == ["000000_800.png", "000000_850.png", "000001_800.png", "000001_850.png"]
 
 
+def test_what_cannot_be_rendered_claims_no_folder(tmp_path: Path) -> None:
+    table = {
+        **SMALL,
+        "images": "pairs",
+        "target": [{"spacecraft": "maxar1300"}, {"spacecraft": "xmm"}],
+    }
+    with pytest.raises(ScenarioError, match=r'small\.toml: expected .* images = "pairs", xmm has'):
+        api.dataset(write_spec(tmp_path, table), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.slow
 def test_a_mixed_dataset_killed_twice_with_its_processes_is_the_same(tmp_path: Path) -> None:
     """Sixty frames of three spacecraft and two cameras, five Suns a pose."""

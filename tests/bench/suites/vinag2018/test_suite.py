@@ -91,6 +91,7 @@ def test_what_is_flown_is_the_papers():
 def test_sizes_default_to_the_papers():
     plan = plan_of(SuiteRequest("vinag2018", None, 1))
     assert plan.sizes.runs == 50
+    assert plan.sizes.acquisitions == 1000
     assert plan.parts == PARTS
     assert plan.sizes.span_s(LEO) == pytest.approx(6027.0, abs=1.0)
     assert plan.sizes.span_s(GEO) == pytest.approx(86_821.0, abs=5.0)
@@ -110,7 +111,8 @@ def test_units_are_named_once_and_all_parts_have_some():
         ({"parts": ("table5",)}, "--parts among leo, geo"),
         ({"runs": 0}, "--runs from 1 to 100000, got 0"),
         ({"duration_s": 20.0}, "--duration-s from 60"),
-        ({"acquisitions": 5}, "no --acquisitions with vinag2018"),
+        ({"paper_runs": 5}, "no --paper-runs with vinag2018"),
+        ({"acquisitions": 0}, "--acquisitions from 1 to 100000, got 0"),
     ],
 )
 def test_what_cannot_be_run_is_refused(asked, message):

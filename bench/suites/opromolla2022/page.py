@@ -1,0 +1,206 @@
+"""The page of the suite, of the house's parts: the paper's tables and figures with ours beside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence as Many
+from pathlib import Path
+from typing import Any
+
+from bench.report.numbers import number
+from bench.report.page import Page, write_page
+from bench.report.parts import Card, Figure, Section, TitledTable
+from bench.report.plot import svg_address
+from bench.suites.opromolla2022 import figures, tables
+from bench.suites.opromolla2022.results import FlownSequence, Outcomes, Results
+
+SHARED = (
+    "All runs of a sequence share its rendered frames; each has its own first pose, calibration, "
+    "survey of the markers, and its own detector noise round the markers. Elsewhere in the image, "
+    "and in what light itself errs by, they are alike: so the mean over the runs does not shrink "
+    "as with frames of their own. Exposure times are those of one plan for all runs."
+)
+TABLES = {
+    12: "Table 12: seven Suns",
+    14: "Table 14: twice the prior's error",
+    15: "Table 15: two and three pixels of calibration error",
+    16: "Table 16: markers installed wrongly",
+    17: "Table 17: the eye-in-hand camera, Sun behind the target",
+    18: "Table 18: twice the prior's error",
+    19: "Table 19: two and three pixels of calibration error",
+    20: "Table 20: markers installed wrongly",
+}
+FIGURES = {
+    "S1": 13, "S7": 15, "I": 17, "C1": 18, "C2": 18, "M1": 19, "E-SB": 20, "E-I": 23, "E-C1": 25,
+    "E-C2": 25, "E-M1": 26,
+}  # fmt: skip
+CENTROID_FIGURES = {"S3": 14, "S7": 16, "E-SB": 21}
+SENSITIVITY_TEXT = (
+    "Each error by itself, next to exact knowledge (none: everything told as it is, and the first "
+    "pose to a twentieth of Table 5), those of Table 5 and all together (realistic). A mission "
+    "knows the sigma of each, and so do the pipelines. Lamps and lens drift on the rendered side: "
+    "nobody is told but of their sigmas. The camera's mount moves the pose of what carries it; a "
+    "stamp that is late is judged by where the target was when the stamp says."
+)
+
+
+def write_suite_page(
+    path: Path, outcomes: Outcomes, results: Results, settings: dict[str, Any]
+) -> Path:
+    """Write ``suite.html``.
+
+    Parameters
+    ----------
+    path : Path
+    outcomes : Outcomes
+        For the figures, which draw every frame.
+    results : Results
+    settings : dict
+        What was run.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    flown = results.sequences
+    after = [
+        *_tables(flown),
+        *_hidden(flown),
+        *_sensitivity(results),
+        *_map(results),
+        *_figures(outcomes, flown),
+    ]
+    write_page(
+        path,
+        Page(
+            title="Opromolla et al. 2022",
+            heading="Fiducial markers, two cameras",
+            lead="Opromolla et al. 2022: retroreflectors before the chaser's camera, white dots "
+            "before the one in the arm's hand; the paper's sequences, and errors beyond them",
+            label="best",
+            cards=_cards(results),
+            headline_title="Best beside the paper's algorithm, on the same frames",
+            headline=tables.headline_table(flown),
+            after=after,
+            facts=[(name, str(value)) for name, value in settings.items()],
+            explained=True,
+        ),
+    )
+    return path
+
+
+def _cards(results: Results) -> list[Card]:
+    cards = []
+    for name, studied in results.studies.items():
+        own = next((each for each in studied if each.sequence.errors == "realistic"), None)
+        if own is not None and own.per_frame["best"].position_mm:
+            best = own.per_frame["best"]
+            cards.append(
+                Card(number(best.position_mm[2]), "mm", f"position rms, {name}, realistic errors",
+                     f"attitude {number(best.attitude_deg[2])} deg, {best.lost} frames lost")
+            )  # fmt: skip
+    judged = [own for own in results.sequences if own.over_paper is not None]
+    if judged:
+        held = sum(own.over_paper.not_worse for own in judged if own.over_paper is not None)
+        cards.append(Card(f"{held} of {len(judged)}", "", "sequences: best not worse than paper",
+                          "a paired bootstrap excludes 2 % in all six parameters"))  # fmt: skip
+    if results.suns:
+        green = sum(own.verdicts["best"].colour == "green" for own in results.suns)
+        cards.append(Card(f"{green} of {len(results.suns)}", "", "Suns with all dots to the end",
+                          "best, Figure 22"))  # fmt: skip
+    return cards
+
+
+def _tables(flown: Many[FlownSequence]) -> list[Section]:
+    found = []
+    for table, title in TABLES.items():
+        own = [each for each in flown if each.sequence.table == table]
+        if own:
+            found.append(TitledTable(title, tables.paper_table(own), wide=True, heading=True))
+    if not found:
+        return []
+    centroids = TitledTable(
+        "Table 13: centroid errors of run 0", tables.centroid_table(flown), True, True
+    )
+    return [Section("The paper's tables", text=SHARED, tables=(*found, centroids))]
+
+
+def _hidden(flown: Many[FlownSequence]) -> list[Section]:
+    if not flown:
+        return []
+    return [
+        Section(
+            "Frame by frame",
+            text="The paper's sigma is that of a mean over a hundred runs; this is what a user of "
+            "one run meets.",
+            tables=(TitledTable("Frame by frame", tables.frame_table(flown), wide=True),),
+            note="Inside: share of the instants at which the mean NEES over the runs is where an "
+            "honest covariance's is 95 times in 100. Best / paper: over the six parameters, with "
+            "the 95 % interval of the worst, frames redrawn in blocks.",
+        )
+    ]
+
+
+def _sensitivity(results: Results) -> list[Section]:
+    return [
+        Section(
+            f"Sensitivity: {name}",
+            text=SENSITIVITY_TEXT,
+            figures=(
+                Figure(svg_address(figures.sensitivity_figure(studied)), f"Sensitivity of {name}"),
+            ),
+            tables=(
+                TitledTable(f"{name} under each error", tables.frame_table(studied, True), True),
+                TitledTable(
+                    "Root mean square of each parameter",
+                    tables.rms_table(studied),
+                    True,
+                    True,
+                    True,
+                ),
+            ),
+            note=f"{studied[0].per_frame['best'].runs} runs each; intervals redraw runs.",
+        )
+        for name, studied in results.studies.items()
+    ]
+
+
+def _map(results: Results) -> list[Section]:
+    if not results.suns:
+        return []
+    return [
+        Section(
+            "Figure 22: the map of Suns",
+            text="One run under each Sun. Elevation is from the orbital plane, azimuth in it; 90 "
+            "and 0 is straight behind the chaser.",
+            figures=(Figure(svg_address(figures.sun_figure(results.suns)), "Figure 22"),),
+            tables=(
+                TitledTable("Each Sun", tables.sun_table(results.suns), wide=True, folded=True),
+            ),
+        )
+    ]
+
+
+def _figures(outcomes: Outcomes, flown: Many[FlownSequence]) -> list[Section]:
+    sections = []
+    for own in flown:
+        name = own.sequence.name
+        like = f", as Figure {FIGURES[name]}" if name in FIGURES else ""
+        drawn = [
+            Figure(
+                svg_address(figures.band_figure(outcomes, own.sequence)),
+                f"{name}: pose errors",
+                f"Mean over {own.per_frame['best'].runs} runs and three sigmas of them{like}.",
+            )
+        ]
+        if name in CENTROID_FIGURES:
+            drawn.append(
+                Figure(
+                    svg_address(figures.centroid_figure(outcomes, own.sequence)),
+                    f"{name}: centroid errors",
+                    f"Each marker, run 0, as Figure {CENTROID_FIGURES[name]}; dotted: the paper's "
+                    "standard deviation.",
+                )
+            )
+        sections.append(Section(f"{name} over time", figures=tuple(drawn)))
+    return sections

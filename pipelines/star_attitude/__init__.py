@@ -1,0 +1,1 @@
+"""Attitude from star images: spots, whose stars they are, and which way the camera looks."""

@@ -1,0 +1,1 @@
+"""What a star camera sees: stars, stray light, particles and what looks like a star."""
