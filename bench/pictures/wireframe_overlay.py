@@ -138,7 +138,15 @@ class Canvas:
 
     @classmethod
     def of(cls, image: Image, detector: Detector, width_px: int, window: Window | None) -> Canvas:
-        """Return an image, or a square of it, as a picture of a width."""
+        """Return an image, or a square of it, as a picture of a width.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        detector : Detector
+        width_px : int, px
+        window : (left, top, side) or None, px
+        """
         grey = stretch(image.astype(np.float64) - detector.bias_dn, detector)
         height, width = grey.shape
         left, top, side = window or (-0.5, -0.5, float(width))
@@ -158,7 +166,15 @@ class Canvas:
     def draw_edges(
         self, camera: Camera, target: Wireframe, cam_from_target: RigidTransform, colour: Colour
     ) -> None:
-        """Draw what is seen of a wireframe at a pose."""
+        """Draw what is seen of a wireframe at a pose.
+
+        Parameters
+        ----------
+        camera : Camera
+        target : Wireframe
+        cam_from_target : RigidTransform
+        colour : Colour
+        """
         pieces = visible_edge_pieces(target, cam_from_target, PIECES)
         flat = pieces.points_in_target.reshape(-1, 3)
         pixels = camera.project(cam_from_target @ flat).reshape(*pieces.visible.shape, 2)
@@ -168,7 +184,13 @@ class Canvas:
                 self.line(line[place], line[place + 1], colour)
 
     def circle(self, pixel: Floats, colour: Colour) -> None:
-        """Draw a small circle about a pixel of the image."""
+        """Draw a small circle about a pixel of the image.
+
+        Parameters
+        ----------
+        pixel : (2,) array, px
+        colour : Colour
+        """
         radius = max(3.0, 0.006 * self.picture.shape[1])
         size = round(radius * 2**SUBPIXEL_BITS)
         cv2.circle(
@@ -180,7 +202,13 @@ class Canvas:
         return max(1, round(self.picture.shape[1] / 1200))
 
     def line(self, start: AnyArray, end: AnyArray, colour: Colour) -> None:
-        """Draw a line between two pixels of the image."""
+        """Draw a line between two pixels of the image.
+
+        Parameters
+        ----------
+        start, end : (2,) array, px
+        colour : Colour
+        """
         ends = self._at(start), self._at(end)
         cv2.line(self.picture, *ends, colour, self._stroke, cv2.LINE_AA, SUBPIXEL_BITS)
 

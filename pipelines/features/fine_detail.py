@@ -24,7 +24,7 @@ OF_BEST = 0.05  # of the best places, where it is not
 
 
 def fine_detail(region: TargetRegion) -> Labels:
-    """Return eight bits of fine detail about a middle grey.
+    """Return eight bits of fine detail about a middle grey, (height, width).
 
     The root of a signal has the same noise everywhere (Anscombe 1948): a logarithm, which shows
     what lies in shadow, shows its noise as well, and noise has corners.

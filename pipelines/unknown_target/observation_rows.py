@@ -277,7 +277,12 @@ def _entry(points: Floats, eye: Floats, beam: Floats) -> tuple[Floats, Indices |
 
 
 def cross(first: Floats, second: Floats) -> Floats:
-    """Return the cross product over the last axis; NumPy's own is slow."""
+    """Return the cross product over the last axis, (..., 3); NumPy's own is slow.
+
+    Parameters
+    ----------
+    first, second : (..., 3) array
+    """
     ax, ay, az = first[..., 0], first[..., 1], first[..., 2]
     bx, by, bz = second[..., 0], second[..., 1], second[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
