@@ -5,13 +5,14 @@ VENV := .venv
 ORACLE := .venv-oracle
 JUDGES := .venv-judges
 KINEMATICS := .venv-kinematics
+BROWSER := .venv-browser
 PYTHON := $(VENV)/bin/python
 PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
 
-.PHONY: help demo test check lint setup oracle speed grain judges kinematics lock clean
+.PHONY: help demo test check lint setup oracle speed grain judges kinematics browser libraries lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -23,8 +24,10 @@ help:
 	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
 	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
+	@echo "make browser  open a report in Chromium (from the system) and use it, in $(BROWSER)"
+	@echo "make libraries  build the report's JavaScript libraries anew from npm"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
-	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS) and caches; what was rendered under out/ stays"
+	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS), $(BROWSER) and caches; what was rendered under out/ stays"
 
 demo: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
@@ -88,9 +91,17 @@ kinematics: $(DEV)
 	@scripts/make_beside.sh $(KINEMATICS) requirements-kinematics.lock "Pinocchio, 60 MB"
 	$(KINEMATICS)/bin/python -m pytest tests/kinematics
 
+browser: $(DEV)
+	@scripts/ensure_chromium.sh
+	@scripts/make_beside.sh $(BROWSER) requirements-browser.lock "a driver of browsers, 50 MB"
+	$(BROWSER)/bin/python -m pytest tests/browser
+
+libraries:
+	@scripts/explorer_libraries/build.sh
+
 lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) .venv-lock build *.egg-info .hypothesis .*_cache
+	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) $(BROWSER) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

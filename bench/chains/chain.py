@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from numpy import uint8
 from numpy.typing import NDArray
 
+from models.arrays import Floats
 from models.dataset.dataset import Dataset
 from models.estimate import Estimate
 from models.pose import RigidTransform
@@ -17,6 +18,7 @@ from models.pose import RigidTransform
 if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
     from bench.estimating.runs import Run
     from bench.pictures.frame_record import FrameRecord
+    from bench.pictures.marks import Layer
     from bench.report.parts import ReportInput, ReportParts
     from bench.report.table import Table
     from bench.scoring.judgement import Judgement, TrueScene
@@ -98,6 +100,11 @@ class Chain:
         ``verdict(record)``: one line of how wrong an estimate is.
     legend : str
         What the marks of ``picture`` mean.
+    signal : callable, optional
+        ``signal(record)``: a frame's image above the bias, (height, width) or (height, width, 3),
+        DN, for a page whose reader chooses marks and greys; without it the page has no such image.
+    layers : callable, optional
+        ``layers(record)``: the marks of ``picture`` as numbers.
     greys : str
         How its grey levels come about; empty where the legend says it all.
     judge_alone : callable, optional
@@ -126,6 +133,8 @@ class Chain:
     verdict: Callable[[FrameRecord], str]
     legend: str
     greys: str = ""
+    signal: Callable[[FrameRecord], Floats] | None = None
+    layers: Callable[[FrameRecord], Sequence[Layer]] | None = None
     judge_alone: Callable[[Estimate, Any, TrueScene], Judgement] | None = None
     trials: Callable[[Dataset, int], list[Path]] | None = None
     brought: Mapping[str, str] = field(default_factory=dict)

@@ -35,4 +35,6 @@ CHAIN = Chain(
         "cyan ticks: truth"
     ),
     greys=STRETCH,
+    signal=lazily("bench.pictures.marker_overlay:signal"),
+    layers=lazily("bench.pictures.marker_overlay:layers"),
 )

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.pictures.frame_record import FrameRecord
+from bench.pictures.marks import Layer
 from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
 from bench.scoring.judgement import NO_REASON
@@ -50,8 +51,7 @@ def overlay(
     """
     detector = record.detector
     if signal_dn is None:
-        stream = IMAGE_850 if IMAGE_850 in record.frame.readings else IMAGE
-        signal_dn = record.image(stream).astype(np.float64) - detector.bias_dn
+        signal_dn = signal(record)
     scale = width_px / signal_dn.shape[1]
     grey = stretch(signal_dn, detector)
     height_px = round(signal_dn.shape[0] * scale)
@@ -95,28 +95,53 @@ def verdict(record: FrameRecord) -> str:
     return f"position error {x}, {y}, {z} mm; attitude {number(error.attitude_deg)} deg"
 
 
+def layers(record: FrameRecord) -> list[Layer]:
+    """Return the marks of a frame: truth, reprojections and detections, those that there are."""
+    found = []
+    if record.truth is not None:
+        seen = [
+            pixel
+            for pixel, visible in zip(record.truth.markers_px, record.truth.visible, strict=True)
+            if visible > 0.0 and np.isfinite(pixel).all()
+        ]
+        found.append(Layer("truth", True, "ticks", tuple(seen)))
+    reprojections = reprojections_px(record)
+    if reprojections is not None:
+        inside = record.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
+        names = np.array(markers_of(record).names)[inside]
+        labels = tuple(str(name) for name in names)
+        found.append(Layer("reprojections", False, "diamond", tuple(reprojections[inside]), labels))
+    if record.estimate is not None:
+        said = record.estimate.detected
+        dim = tuple(marker < 0 for marker in said.marker)
+        found.append(Layer("detections", False, "circle", tuple(said.points_px), dim=dim))
+    return found
+
+
+def signal(record: FrameRecord) -> Floats:
+    """Return the last image of a frame less its bias, (height, width), DN."""
+    stream = IMAGE_850 if IMAGE_850 in record.frame.readings else IMAGE
+    return np.asarray(record.image(stream).astype(np.float64) - record.detector.bias_dn)
+
+
 def _draw_marks(picture: NDArray[np.uint8], record: FrameRecord, scale: float) -> None:
     reach = max(5.0, 0.011 * picture.shape[1])
 
     def at(pixel: Floats) -> Floats:
         return np.asarray((pixel + 0.5) * scale - 0.5)
 
-    if record.truth is not None:
-        for index, pixel in enumerate(record.truth.markers_px):
-            if record.truth.visible[index] > 0.0 and np.isfinite(pixel).all():
+    for layer in layers(record):
+        for place, pixel in enumerate(layer.places_px):
+            if layer.sign == "ticks":
                 _ticks(picture, at(pixel), 1.7 * reach, 2.3 * reach, TRUTH_CYAN)
-    reprojections = reprojections_px(record)
-    if reprojections is not None:
-        names = markers_of(record).names
-        inside = record.camera.contains(np.nan_to_num(reprojections, nan=-1e9))
-        for name, pixel in zip(np.array(names)[inside], reprojections[inside], strict=True):
-            _diamond(picture, at(pixel), 1.55 * reach, REPROJECTION_GREEN)
-            _label(picture, str(name), at(pixel) + np.array([1.6, -1.3]) * reach)
-    if record.estimate is not None:
-        found = record.estimate.detected
-        for pixel, marker in zip(found.points_px, found.marker, strict=True):
-            colour = DETECTION_RED if marker >= 0 else LEFT_OUT_RED
-            _circle(picture, at(pixel), (0.9 if marker >= 0 else 0.6) * reach, colour)
+            elif layer.sign == "diamond":
+                _diamond(picture, at(pixel), 1.55 * reach, REPROJECTION_GREEN)
+                corner = at(pixel) + np.array([1.6, -1.3]) * reach
+                _label(picture, layer.labels[place], corner)
+            else:
+                dim = layer.dim[place]
+                colour = LEFT_OUT_RED if dim else DETECTION_RED
+                _circle(picture, at(pixel), (0.6 if dim else 0.9) * reach, colour)
 
 
 def _fixed(point: AnyArray) -> tuple[int, int]:

@@ -6,6 +6,7 @@ it only the estimate shows. The stroke lies on the edge, not beside it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -14,10 +15,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from bench.pictures.frame_record import FrameRecord
+from bench.pictures.marks import Layer
 from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
 from bench.scoring.judgement import NO_REASON
-from models.arrays import AnyArray, Floats, Image
+from models.arrays import AnyArray, Floats, Image, Mask
 from models.camera import Camera
 from models.frame import IMAGE
 from models.onboard import OnboardKnowledge, needed
@@ -83,6 +85,58 @@ def close_view(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
     pose = record.best_known_pose
     window = None if pose is None else window_around(record.onboard, pose)
     return wireframe_overlay(record, width_px, window=window)
+
+
+def layers(record: FrameRecord) -> list[Layer]:
+    """Return the marks of a frame: edges at the true and the estimated pose, and corners found."""
+    camera, target = record.camera, record.onboard.wireframe
+    found = []
+    for name, of_truth, pose in (
+        ("truth", True, record.true_pose),
+        ("reprojections", False, record.estimated_pose),
+    ):
+        if pose is not None and target is not None:
+            lines = tuple(edge_lines_px(camera, target, pose))
+            found.append(Layer(name, of_truth, "lines", lines))
+    if record.estimate is not None:
+        said = record.estimate.detected
+        dim = tuple(landmark < 0 for landmark in said.marker)
+        found.append(Layer("detections", False, "circle", tuple(said.points_px), dim=dim))
+    return found
+
+
+def edge_lines_px(
+    camera: Camera, target: Wireframe, cam_from_target: RigidTransform
+) -> Iterator[Floats]:
+    """Walk what is seen of the target's edges, as polylines of few points, (k, 2), px.
+
+    Parameters
+    ----------
+    camera : Camera
+    target : Wireframe
+    cam_from_target : RigidTransform
+    """
+    step = PIECES // 4 if camera.distorted else PIECES  # a straight edge is two points
+    for line, seen in _seen_pieces(camera, target, cam_from_target):
+        there = np.flatnonzero(seen)
+        for run in np.split(there, np.flatnonzero(np.diff(there) > 1) + 1):
+            if len(run) > 1:
+                yield line[[*run[:-1:step], run[-1]]]
+
+
+def signal(record: FrameRecord) -> Floats:
+    """Return the image of a frame less its bias, (height, width), DN."""
+    return np.asarray(record.image(IMAGE).astype(np.float64) - record.detector.bias_dn)
+
+
+def _seen_pieces(
+    camera: Camera, target: Wireframe, cam_from_target: RigidTransform
+) -> Iterator[tuple[Floats, Mask]]:
+    """Walk the edges: points along each, (n, 2), px, and which of them are seen."""
+    pieces = visible_edge_pieces(target, cam_from_target, PIECES)
+    flat = pieces.points_in_target.reshape(-1, 3)
+    pixels = camera.project(cam_from_target @ flat).reshape(*pieces.visible.shape, 2)
+    yield from zip(pixels, pieces.visible & np.isfinite(pixels).all(axis=2), strict=True)
 
 
 def wireframe_of(onboard: OnboardKnowledge) -> Wireframe:
@@ -175,11 +229,7 @@ class Canvas:
         cam_from_target : RigidTransform
         colour : Colour
         """
-        pieces = visible_edge_pieces(target, cam_from_target, PIECES)
-        flat = pieces.points_in_target.reshape(-1, 3)
-        pixels = camera.project(cam_from_target @ flat).reshape(*pieces.visible.shape, 2)
-        seen = pieces.visible & np.isfinite(pixels).all(axis=2)
-        for line, shown in zip(pixels, seen, strict=True):
+        for line, shown in _seen_pieces(camera, target, cam_from_target):
             for place in np.flatnonzero(shown[:-1] & shown[1:]):
                 self.line(line[place], line[place + 1], colour)
 

@@ -11,6 +11,8 @@ import jinja2
 
 from bench.estimating.runs import PREFERRED
 from bench.pictures.frame_record import FrameRecords
+from bench.report.explorer.data import explorer_data
+from bench.report.explorer.inlined import Inlined, inlined, policy
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
 from bench.report.parts import Card, ReportInput, Section, TitledTable
 from bench.report.scenario_tables import scenario_tables
@@ -52,6 +54,8 @@ class Page:
         Whether ``paper`` and ``best`` are told of.
     scenario : dict
         Its tables.
+    explorer : Inlined or None
+        What moves; without it the page has no script.
     """
 
     title: str
@@ -71,6 +75,7 @@ class Page:
     marks: str = ""
     explained: bool = False
     scenario: dict[str, dict[str, Any]] = field(default_factory=dict)
+    explorer: Inlined | None = None
 
 
 def write_page(path: Path, page: Page) -> None:
@@ -82,7 +87,9 @@ def write_page(path: Path, page: Page) -> None:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    write_text(path, environment.get_template(TEMPLATE).render(vars(page)))
+    allowed = policy(() if page.explorer is None else page.explorer.scripts)
+    text = environment.get_template(TEMPLATE).render({**vars(page), "policy": allowed})
+    write_text(path, text)
 
 
 def write_report(folder: Path) -> Path:
@@ -116,7 +123,8 @@ def _report(folder: Path, score: dict[str, Any]) -> Page:
         )
     info, chain = records.dataset.info, records.chain
     scenario = scenario_tables(folder)
-    parts = chain.report(ReportInput(folder, info, score, label, records, scenario))
+    given = ReportInput(folder, info, score, label, records, scenario)
+    parts = chain.report(given)
     checks = Section(
         "What was asked, and what came", tables=(TitledTable("asked", check_table(score)),)
     )
@@ -152,6 +160,7 @@ def _report(folder: Path, score: dict[str, Any]) -> Page:
         marks=". ".join(each.capitalize() for each in (chain.legend, chain.greys) if each),
         explained=set(TITLES) <= set(score["pipelines"]),
         scenario=scenario,
+        explorer=inlined(explorer_data(given, parts)),
     )
 
 

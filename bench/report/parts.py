@@ -8,6 +8,7 @@ from typing import Any
 
 from bench.pictures.frame_record import FrameRecords
 from bench.report.table import Table
+from bench.report.time_plot import TimePlot
 from models.dataset.description import DatasetInfo
 
 
@@ -139,6 +140,8 @@ class ReportParts:
         Frames that must be among those drawn.
     facts : dict of str to str
         More of what was run.
+    plots : list of TimePlot
+        Numbers against time, to be explored.
     """
 
     lead: str
@@ -151,3 +154,4 @@ class ReportParts:
     later: list[Section] = field(default_factory=list)
     shown: list[int] = field(default_factory=list)
     facts: dict[str, str] = field(default_factory=dict)
+    plots: list[TimePlot] = field(default_factory=list)

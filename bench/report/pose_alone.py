@@ -7,6 +7,7 @@ from bench.report.parts import Card, Figure, ReportInput, ReportParts, Section
 from bench.report.plot import errors_over_time, svg_address
 from bench.report.summary import core_table
 from bench.report.table import length
+from bench.report.time_plot import size_plots
 from models.onboard import needed
 
 
@@ -40,4 +41,5 @@ def report(given: ReportInput) -> ReportParts:
             )
         ],
         shown=core["lost"]["frames"],
+        plots=size_plots(given.score),
     )  # fmt: skip

@@ -24,6 +24,7 @@ ENGINE = (
     "bench/scoring/metrics/*.py",
     "bench/compare/*.py",
     "bench/report/*.py",
+    "bench/report/explorer/*.py",
     "bench/pictures/frame_record.py",
     "bench/pictures/show.py",
     "bench/pictures/stretch.py",

@@ -10,6 +10,7 @@ from bench.report.parts import Card, Figure, ReportInput, ReportParts, Section, 
 from bench.report.plot import errors_over_time, svg_address
 from bench.report.summary import core_table
 from bench.report.table import Table, length, title_of
+from bench.report.time_plot import TimeLine, TimePlot, size_plots, values_of
 from bench.scoring.flights.judged_instants import ORBIT
 
 
@@ -39,7 +40,31 @@ def report(given: ReportInput) -> ReportParts:
                 "error was beyond its protection level.",
             )
         ],
+        plots=[*size_plots(given.score), *_axis_plots(given.score)],
     )  # fmt: skip
+
+
+def _axis_plots(score: dict[str, Any]) -> list[TimePlot]:
+    """Plot the error along each axis with the protection level about it."""
+    labels = [label for label, own in score["pipelines"].items() if "navigation" in own["parts"]]
+    return [
+        TimePlot(
+            f"position error, {name}",
+            "m",
+            tuple(
+                line
+                for label in labels
+                for line in (
+                    TimeLine(f"{label}: protection level", label, "band",
+                             values_of(score, label, "protection_m", axis)),
+                    TimeLine(f"{label}: error", label, "line",
+                             values_of(score, label, "along_m", axis)),
+                )
+            ),
+        )
+        for axis, name in enumerate(("radial", "along", "normal"))
+        if labels
+    ]  # fmt: skip
 
 
 def _axes(score: dict[str, Any]) -> Table:

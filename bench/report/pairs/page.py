@@ -6,6 +6,7 @@ from typing import Any
 
 from bench.report.numbers import number
 from bench.report.pairs import figures, tables
+from bench.report.pairs.plots import plots
 from bench.report.pairs.published import PublishedCase, published_case
 from bench.report.parts import (
     Card,
@@ -65,6 +66,7 @@ def marker_report(given: ReportInput, frames: str, origin: str, hero_words: str)
                 f"{detector.read_noise_e} e, full well {detector.full_well_e:.0f} e"
             )
         },
+        plots=plots(score),
     )
 
 

@@ -10,6 +10,7 @@ from bench.report.parts import Card, Figure, ReportInput, ReportParts, Section, 
 from bench.report.plot import svg_address
 from bench.report.table import length
 from bench.report.tumble import figures, tables
+from bench.report.tumble.plots import plots
 from bench.scoring.score import shown_labels
 from models.onboard import needed
 
@@ -36,6 +37,7 @@ def report(given: ReportInput) -> ReportParts:
         after=[_errors(score), _starts(score)],
         later=[_limits(given)],
         shown=[row["frame"] for row in rows if row["wrong"] or row["reason"]],
+        plots=plots(score, given.label),
     )
 
 

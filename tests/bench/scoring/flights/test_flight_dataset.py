@@ -36,7 +36,8 @@ def test_it_is_scored_by_its_axes(scored):
 
 def test_the_report_opens_offline(scored):
     text = (scored / "report.html").read_text()
-    assert "http" not in text.replace("http://www.w3.org", "")
+    assert "https://" not in text
+    assert "http://" not in text.replace("http://www.w3.org", "")
     assert "Errors by axis" in text
     assert "with a state" in text
 

@@ -1,5 +1,7 @@
 """A dataset whose estimates are wrong by known amounts gets the score that these amount to."""
 
+import json
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -174,11 +176,18 @@ def test_limits_share_out_all_frames(best):
 
 def test_the_report_holds_everything(written):
     text = api.report(written.folder).read_text()
-    assert text.count("data:image/jpeg;base64,") == 1 + FRAMES
+    assert text.count('src="data:image/jpeg;base64,') == 1 + FRAMES
     assert "half turn about z" in text
     assert "too dark" in text
     assert "does not hold" in text
-    assert "http" not in text.replace("http://www.w3.org", "")
+    assert "https://" not in text
+    assert "http://" not in text.replace("http://www.w3.org", "")
+    (told,) = re.findall(r'id="explorer-data">(.*?)</script>', text, re.DOTALL)
+    explored = json.loads(told)
+    assert [plot["title"] for plot in explored["plots"]][-1] == "landmarks"
+    assert len(explored["image"]["pictures"]) == FRAMES
+    assert all(layers[0]["sign"] == "lines" for layers in explored["true_layers"])
+    assert explored["pipelines"]["best"]["layers"][1][-1]["name"] == "detections"
 
 
 def test_the_summary_names_the_case_and_what_was_asked(score, capsys):

@@ -1,0 +1,167 @@
+// Numbers against time, with the frame that is shown; a click goes to a frame.
+
+const PIPELINE_COLOURS = { best: "--plot-best", paper: "--plot-paper" };
+const OTHER_COLOURS = ["--plot-3", "--plot-4", "--plot-5", "--plot-6"];
+
+function startPlots() {
+  const home = byId("plots");
+  const labels = Object.keys(data.pipelines);
+  const others = labels.filter((each) => !(each in PIPELINE_COLOURS));
+  const times = data.frames.map((each) => each.time_s);
+  const plots = [];
+
+  function variable(line, number) {
+    if (!line.pipeline) return number ? "--plot-lit" : "--plot-none";
+    return PIPELINE_COLOURS[line.pipeline] ??
+      OTHER_COLOURS[others.indexOf(line.pipeline) % OTHER_COLOURS.length];
+  }
+
+  // The series that a line needs: a band or a bound is two.
+  function seriesOf(line, colour) {
+    const many = times.length > 80;
+    const base = { stroke: colour, width: 1.5, points: { show: false } };
+    if (line.kind === "line") return [{ ...base, points: { show: !many, size: 5, fill: colour } }];
+    if (line.kind === "dots") {
+      return [{ ...base, paths: () => null, points: { show: true, size: 3, fill: colour } }];
+    }
+    if (line.kind === "level") return [{ ...base, width: 1, dash: [6, 4] }];
+    if (line.kind === "steps") return [{ ...base, paths: uPlot.paths.stepped({ align: 1 }) }];
+    if (line.kind === "bound") return [0, 1].map(() => ({ ...base, width: 1, dash: [3, 3] }));
+    return [0, 1].map(() => ({ ...base, width: 0.5 }));
+  }
+
+  const twice = (line) => line.kind === "band" || line.kind === "bound";
+  const negated = (values) => values.map((value) => value === null ? null : -value);
+
+  // What others state of themselves would bury the errors: it is there when asked for.
+  const shownFirst = (line) =>
+    !line.pipeline || line.pipeline === data.leading || ["line", "steps"].includes(line.kind);
+
+  function wantsLog(plot) {
+    if (plot.lines.some((line) => twice(line) || line.kind === "steps")) return false;
+    const there = plot.lines.flatMap((line) => line.values).filter((value) => value !== null);
+    const least = Math.min(...there), most = Math.max(...there);
+    return there.length > 0 && least > 0 && most > 100 * least;
+  }
+
+  function build(own) {
+    own.uplot?.destroy();
+    own.holder.replaceChildren();
+    const values = [times], series = [{}], bands = [];
+    own.plot.lines.forEach((line, number) => {
+      const colour = colourOf(variable(line, number));
+      own.swatches[number].style.background = colour;
+      const first = series.length;
+      own.first[number] = first;
+      seriesOf(line, colour).forEach((each) =>
+        series.push({ ...each, show: own.boxes[number].checked }));
+      values.push(line.values);
+      if (twice(line)) values.push(negated(line.values));
+      if (line.kind === "band") bands.push({ series: [first, first + 1], fill: `${colour}26` });
+    });
+    const ink = colourOf("--soft"), grid = colourOf("--line");
+    const axis = { stroke: ink, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid } };
+    const log = wantsLog(own.plot), counts = own.plot.lines.every((line) => line.kind === "steps");
+    own.uplot = new uPlot({
+      width: Math.max(200, own.holder.clientWidth),
+      height: 210,
+      legend: { show: false },
+      cursor: { drag: { x: true, y: false }, points: { show: false } },
+      scales: { x: { time: false }, y: log ? { distr: 3 } : counts ? { range: (_, __, most) => [0, 1.1 * most + 1] } : {} },
+      axes: [{ ...axis, size: 34 }, { ...axis, size: 58, values: (_, ticks) =>
+        ticks.map((tick) => tick === null ? "" : String(Number(tick.toPrecision(6)))) }],
+      series,
+      bands,
+      hooks: {
+        draw: [(uplot) => drawLost(uplot)],
+        setScale: [() => place(own)],
+        setSize: [() => place(own)],
+        ready: [(uplot) => listen(uplot, own)],
+      },
+    }, values, own.holder);
+    place(own);
+  }
+
+  function listen(uplot, own) {
+    own.now = made("div", { className: "now" });
+    uplot.over.append(own.now);
+    own.uplot = uplot;
+    place(own);
+    let from = 0;
+    uplot.over.addEventListener("mousedown", (event) => { from = event.clientX; });
+    uplot.over.addEventListener("click", (event) => {
+      if (Math.abs(event.clientX - from) < 4 && uplot.cursor.idx !== null) {
+        show({ place: uplot.cursor.idx });
+      }
+    });
+  }
+
+  // Frames without a pose, at the foot of every plot.
+  function drawLost(uplot) {
+    const { left, top, width, height } = uplot.bbox, pen = uplot.ctx;
+    pen.save();
+    pen.strokeStyle = colourOf("--red");
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    data.pipelines[shown.pipeline].reasons.forEach((reason, number) => {
+      const x = uplot.valToPos(times[number], "x", true);
+      if (reason === null || x < left || x > left + width) return;
+      pen.moveTo(x - 4, top + height - 10);
+      pen.lineTo(x + 4, top + height - 2);
+      pen.moveTo(x + 4, top + height - 10);
+      pen.lineTo(x - 4, top + height - 2);
+    });
+    pen.stroke();
+    pen.restore();
+  }
+
+  function place(own) {
+    if (!own.uplot || !own.now) return;
+    const x = own.uplot.valToPos(times[shown.place], "x");
+    own.now.style.transform = `translateX(${x}px)`;
+    own.now.hidden = !(x >= 0 && x <= own.uplot.over.clientWidth);
+    own.now.dataset.time = times[shown.place];
+    own.values.forEach((each, number) => {
+      each.textContent = digits(own.plot.lines[number].values[shown.place]);
+    });
+  }
+
+  data.plots.forEach((plot) => {
+    const own = { plot, first: [], boxes: [], swatches: [], values: [], holder: made("div") };
+    const words = plot.unit ? `${plot.title}, ${plot.unit}` : plot.title;
+    const legend = made("div", { className: "legend" });
+    plot.lines.forEach((line, number) => {
+      own.swatches.push(made("span", { className: `swatch ${line.kind}` }));
+      own.values.push(made("span", { className: "value" }));
+      const label = toggle(line.label, shownFirst(line), (on) => {
+        const first = own.first[number];
+        own.uplot.setSeries(first, { show: on });
+        if (twice(line)) own.uplot.setSeries(first + 1, { show: on });
+      });
+      own.boxes.push(label.querySelector("input"));
+      label.prepend(own.swatches[number]);
+      label.append(" ", own.values[number]);
+      legend.append(label);
+    });
+    own.holder.setAttribute("role", "img");
+    own.holder.setAttribute("aria-label", `${words}, against time; its numbers of the frame shown stand below`);
+    home.append(made("figure", { className: "timeplot" },
+      made("figcaption", { textContent: words }), own.holder, legend));
+    plots.push(own);
+  });
+  home.hidden = plots.length === 0;
+  const all = () => plots.forEach(build);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", all);
+  let whose = shown.pipeline;
+  follow(() => {
+    plots.forEach(place);
+    if (whose !== shown.pipeline) plots.forEach((own) => own.uplot?.redraw(false));
+    whose = shown.pipeline;
+  });
+  const resized = new ResizeObserver(() => plots.forEach((own) => {
+    const width = Math.max(200, own.holder.clientWidth);
+    if (!own.uplot) build(own);
+    else if (own.uplot.width !== width) own.uplot.setSize({ width, height: 210 });
+  }));
+  resized.observe(home);
+}

@@ -1,0 +1,66 @@
+// The bar that moves everything, and the start of all parts.
+
+function startBar() {
+  const slider = byId("slider"), now = byId("now"), verdict = byId("verdict");
+  const labels = Object.keys(data.pipelines);
+  slider.max = data.frames.length - 1;
+  slider.addEventListener("input", () => show({ place: Number(slider.value) }));
+  byId("back").addEventListener("click", () => show({ place: shown.place - 1 }));
+  byId("on").addEventListener("click", () => show({ place: shown.place + 1 }));
+
+  const select = byId("pipeline");
+  select.append(...labels.map((label) => made("option", { value: label, textContent: label })));
+  select.value = shown.pipeline;
+  select.addEventListener("change", () => show({ pipeline: select.value }));
+  select.parentElement.hidden = labels.length < 2;
+
+  // The frame whose first plotted error of this pipeline is largest.
+  byId("worst").addEventListener("click", () => {
+    const line = data.plots.flatMap((plot) => plot.lines)
+      .find((each) => each.pipeline === shown.pipeline && each.kind === "line");
+    if (!line) return;
+    const sizes = line.values.map((value) => value === null ? -1 : Math.abs(value));
+    show({ place: sizes.indexOf(Math.max(...sizes)) });
+  });
+
+  const play = byId("play");
+  let playing = null;
+  const stop = () => {
+    clearInterval(playing);
+    playing = null;
+    play.textContent = "Play";
+  };
+  play.addEventListener("click", () => {
+    if (playing) {
+      stop();
+      return;
+    }
+    if (shown.place === data.frames.length - 1) show({ place: 0 });
+    play.textContent = "Stop";
+    playing = setInterval(() => {
+      show({ place: shown.place + 1 });
+      if (shown.place === data.frames.length - 1) stop();
+    }, 125);
+  });
+
+  follow(() => {
+    const { title } = data.frames[shown.place];
+    const said = data.pipelines[shown.pipeline].verdicts[shown.place];
+    slider.value = shown.place;
+    slider.setAttribute("aria-valuetext", `${title}: ${said}`);
+    now.textContent = title;
+    verdict.textContent = said;
+    verdict.classList.toggle("lost", data.pipelines[shown.pipeline].reasons[shown.place] !== null);
+  });
+}
+
+byId("section").hidden = false;
+for (const start of [startBar, startPicture, startPlots, startScene]) {
+  try {
+    start();
+  } catch (fault) {
+    console.error(start.name, fault);
+  }
+}
+show({});
+byId("section").dataset.ready = "yes";

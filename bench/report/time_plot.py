@@ -1,0 +1,87 @@
+"""Numbers against time that a reader may explore: what a chain gives, and what all share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from bench.scoring.score import shown_labels
+
+Kind = Literal["line", "dots", "band", "bound", "level", "steps"]
+Values = Sequence[float | None]
+
+
+@dataclass(frozen=True)
+class TimeLine:
+    """One number of every frame.
+
+    Attributes
+    ----------
+    label : str
+    pipeline : str
+        Whose it is; empty for what is of none.
+    kind : str
+        ``line`` or ``dots`` of values; ``band``, shaded, and ``bound``, dashed, on both sides of
+        zero; ``level``, dashed, on one; ``steps`` of counts.
+    values : sequence of float or None
+        By frame.
+    """
+
+    label: str
+    pipeline: str
+    kind: Kind
+    values: Values
+
+
+@dataclass(frozen=True)
+class TimePlot:
+    """A plot against time.
+
+    Attributes
+    ----------
+    title, unit : str
+    lines : tuple of TimeLine
+    """
+
+    title: str
+    unit: str
+    lines: tuple[TimeLine, ...]
+
+
+def values_of(score: dict[str, Any], label: str, *keys: str | int) -> list[float | None]:
+    """Return one number of every frame of a pipeline, as ``score.json`` has it.
+
+    Parameters
+    ----------
+    score : dict
+    label : str
+        Of the pipeline.
+    keys : str or int
+        From a frame's row down to the number; None where the way ends.
+    """
+    found = []
+    for row in score["pipelines"][label]["per_frame"]:
+        value: Any = row
+        for key in keys:
+            value = None if value is None else value[key]
+        found.append(value)
+    return found
+
+
+def size_plots(score: dict[str, Any]) -> list[TimePlot]:
+    """Plot what every chain knows: the sizes of the errors in position and attitude."""
+    return [
+        TimePlot(
+            title,
+            unit,
+            tuple(
+                TimeLine(label, label, "line", values_of(score, label, key))
+                for label in shown_labels(score)
+            ),
+        )
+        for title, unit, key in (
+            ("position error", "mm", "position_error_mm"),
+            ("attitude error", "deg", "attitude_error_deg"),
+        )
+    ]
