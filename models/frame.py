@@ -20,6 +20,7 @@ IMAGE_800, IMAGE_850 = "image_800", "image_850"
 IMAGE = "image"
 POINTS = "points"
 CHASER_ORBIT = "chaser_orbit"
+RANGE = "range_finder"
 """The streams of the house. A chain of another package names its own."""
 
 

@@ -22,6 +22,7 @@ OURS = {
     "chaser_fixed": "pipelines.chaser_fixed.registered",
     "eye_in_hand": "pipelines.eye_in_hand.registered",
     "uncooperative": "pipelines.uncooperative.registered",
+    "unknown_target": "pipelines.unknown_target.registered",
     "absolute": "pipelines.absolute.registered",
 }
 """The module of each of ours; loaded when it is asked for."""

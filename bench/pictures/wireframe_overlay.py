@@ -62,7 +62,7 @@ def wireframe_overlay(
         RGB.
     """
     camera, target = record.camera, record.onboard.wireframe
-    canvas = _Canvas.of(record.image(IMAGE), record.detector, width_px, window)
+    canvas = Canvas.of(record.image(IMAGE), record.detector, width_px, window)
     if truth and record.truth is not None and target is not None:
         canvas.draw_edges(camera, target, record.truth.cam_from_target, TRUTH_CYAN)
     if record.estimate is not None:
@@ -182,7 +182,7 @@ def window_around(onboard: OnboardKnowledge, cam_from_target: RigidTransform) ->
 
 
 @dataclass(eq=False)
-class _Canvas:
+class Canvas:
     """A picture of a part of an image, and where in it a pixel of the image lies."""
 
     picture: NDArray[np.uint8]
@@ -191,7 +191,16 @@ class _Canvas:
     top: float
 
     @classmethod
-    def of(cls, image: Image, detector: Detector, width_px: int, window: Window | None) -> _Canvas:
+    def of(cls, image: Image, detector: Detector, width_px: int, window: Window | None) -> Canvas:
+        """Return an image, or a square of it, as a picture of a width.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        detector : Detector
+        width_px : int, px
+        window : (left, top, side) or None, px
+        """
         grey = stretch(image.astype(np.float64) - detector.bias_dn, detector)
         height, width = grey.shape
         left, top, side = window or (-0.5, -0.5, float(width))
@@ -211,11 +220,27 @@ class _Canvas:
     def draw_edges(
         self, camera: Camera, target: Wireframe, cam_from_target: RigidTransform, colour: Colour
     ) -> None:
+        """Draw what is seen of a wireframe at a pose.
+
+        Parameters
+        ----------
+        camera : Camera
+        target : Wireframe
+        cam_from_target : RigidTransform
+        colour : Colour
+        """
         for line, shown in _seen_pieces(camera, target, cam_from_target):
             for place in np.flatnonzero(shown[:-1] & shown[1:]):
-                self._line(line[place], line[place + 1], colour)
+                self.line(line[place], line[place + 1], colour)
 
     def circle(self, pixel: Floats, colour: Colour) -> None:
+        """Draw a small circle about a pixel of the image.
+
+        Parameters
+        ----------
+        pixel : (2,) array, px
+        colour : Colour
+        """
         radius = max(3.0, 0.006 * self.picture.shape[1])
         size = round(radius * 2**SUBPIXEL_BITS)
         cv2.circle(
@@ -226,7 +251,14 @@ class _Canvas:
     def _stroke(self) -> int:
         return max(1, round(self.picture.shape[1] / 1200))
 
-    def _line(self, start: AnyArray, end: AnyArray, colour: Colour) -> None:
+    def line(self, start: AnyArray, end: AnyArray, colour: Colour) -> None:
+        """Draw a line between two pixels of the image.
+
+        Parameters
+        ----------
+        start, end : (2,) array, px
+        colour : Colour
+        """
         ends = self._at(start), self._at(end)
         cv2.line(self.picture, *ends, colour, self._stroke, cv2.LINE_AA, SUBPIXEL_BITS)
 

@@ -49,10 +49,7 @@ def checks(
     found: list[Check] = []
 
     def at_most(what: str, limit: float | None, measured: float | None, unit: str) -> None:
-        if limit is not None:
-            text = f"{100.0 * limit:g} %" if unit == "%" else f"{limit:g} {unit}"
-            holds = None if measured is None else measured <= limit
-            found.append(Check(what, f"at most {text}", measured, holds, unit))
+        found.extend(held_at_most(what, limit, measured, unit))
 
     if asked.starts_right is not None and starts_right is not None:
         text = f"at least {100 * asked.starts_right:g} %"
@@ -67,6 +64,23 @@ def checks(
     longest = float(core.wrong.longest)
     at_most("longest run of wrong poses", asked.wrong_in_a_row, longest, "frames")
     return found
+
+
+def held_at_most(what: str, limit: float | None, measured: float | None, unit: str) -> list[Check]:
+    """Hold a measure against the most that is asked; no check where nothing is asked.
+
+    Parameters
+    ----------
+    what : str
+    limit, measured : float or None
+        Shares where the unit is ``%``.
+    unit : str
+    """
+    if limit is None:
+        return []
+    text = f"{100.0 * limit:g} %" if unit == "%" else f"{limit:g} {unit}"
+    holds = None if measured is None else measured <= limit
+    return [Check(what, f"at most {text}", measured, holds, unit)]
 
 
 def _lost_share(judged: Sequence[Judgement]) -> float | None:

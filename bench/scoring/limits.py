@@ -40,6 +40,9 @@ class Asked:
         Most wrong poses one after another.
     starts_right : float or None
         Least share of the starts without a prior that end right.
+    range_share, rate_deg_s, axis_deg, shape_rms_m : float or None
+        Of an unknown target: median errors of distance (relative), rate and spin axis over the
+        second half, and the root mean square distance of the shape's points from the surface.
     """
 
     median_position_m: float | None = None
@@ -47,6 +50,10 @@ class Asked:
     lost_share: float | None = None
     wrong_in_a_row: int | None = None
     starts_right: float | None = None
+    range_share: float | None = None
+    rate_deg_s: float | None = None
+    axis_deg: float | None = None
+    shape_rms_m: float | None = None
 
 
 def read_limits(folder: Path) -> Limits:
@@ -87,6 +94,10 @@ def read_asked(folder: Path) -> Asked:
         lost_share=perhaps("lost_share", fields.number, 0.0, 1.0),
         wrong_in_a_row=perhaps("wrong_in_a_row", fields.whole, 0, 1_000_000),
         starts_right=perhaps("starts_right", fields.number, 0.0, 1.0),
+        range_share=perhaps("range_share", fields.number, 0.0, LARGEST),
+        rate_deg_s=perhaps("rate_deg_s", fields.number, 0.0, LARGEST),
+        axis_deg=perhaps("axis_deg", fields.number, 0.0, 180.0),
+        shape_rms_m=perhaps("shape_rms_m", fields.number, 0.0, LARGEST),
     )
 
 

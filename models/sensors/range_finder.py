@@ -8,6 +8,9 @@ import numpy as np
 
 from models.errors import ScenarioError
 
+RANGE_COLUMNS = ("range_m", "sigma_m")
+"""Of its stream: what is read along the boresight, and the 1 sigma of a right echo."""
+
 
 @dataclass(frozen=True)
 class RangeFinder:

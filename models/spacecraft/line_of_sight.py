@@ -1,4 +1,4 @@
-"""Whether a spacecraft stands between a point and something far away, such as the Sun."""
+"""What a line of sight meets: whether a spacecraft hides the Sun, and how far its surface is."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def is_hidden(spacecraft: Spacecraft, point: Floats, direction: Floats) -> bool:
         Towards what is far away, in the spacecraft's frame.
     """
     return any(
-        _meets(part.mesh.triangles, point, direction)
+        np.isfinite(distances(part.mesh.triangles, point, direction)).any()
         for part in spacecraft.parts
         if _meets_box(part.mesh.bounds, point, direction)
     )
@@ -33,7 +33,17 @@ def _meets_box(bounds: Floats, point: Floats, direction: Floats) -> bool:
     return bool(enters.max() <= leaves.min() + 1e-9 and leaves.min() >= 0.0)
 
 
-def _meets(triangles: Floats, point: Floats, direction: Floats) -> bool:
+def distances(triangles: Floats, point: Floats, direction: Floats) -> Floats:
+    """Return how far a ray goes to each of (f, 3, 3) triangles, (f,) m; infinite where it misses.
+
+    Parameters
+    ----------
+    triangles : (f, 3, 3) array, m
+    point : (3,) array, m
+        Where the ray begins.
+    direction : (3,) array
+        A unit vector; distances come in units of its length.
+    """
     corner = triangles[:, 0]
     first, second = triangles[:, 1] - corner, triangles[:, 2] - corner
     across = np.cross(direction, second)
@@ -45,4 +55,5 @@ def _meets(triangles: Floats, point: Floats, direction: Floats) -> bool:
     turned = np.cross(away, first)
     v = inverse * (turned @ direction)
     ahead = inverse * np.einsum("ij,ij->i", second, turned)
-    return bool((faces & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (ahead > 0.0)).any())
+    met = faces & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (ahead > 0.0)
+    return np.where(met, ahead, np.inf)

@@ -18,6 +18,7 @@ from models.sensors.camera_chip import Detector
 from pipelines.detection.target_region import find_target
 from pipelines.features.anchored_patch import Anchors, fitted
 from pipelines.features.appearance import described, recognised
+from pipelines.features.fine_detail import fine_detail, has_corners
 from pipelines.features.klt_step import follow
 from pipelines.features.rigid_motion_check import moves_rigidly
 
@@ -126,7 +127,7 @@ class FeatureTracker:
     def track(self, image: Image) -> FeaturesSeen:
         """Take in the next image, (height, width) uint16 DN; return what is seen in it."""
         region = find_target(image, self._detector)
-        grey = _grey(region.stretched)
+        grey = fine_detail(region)
         self._follow(grey)
         if self._frame % self._options.check_every == 0:
             self._check()
@@ -196,6 +197,7 @@ class FeatureTracker:
         if room <= 0:
             return
         free = cv2.erode(lit.astype(np.uint8), np.ones((3, 3), np.uint8), iterations=options.rim_px)
+        free &= has_corners(grey, lit)
         for x, y in np.round(live.points).astype(int).tolist():
             cv2.circle(free, (x, y), round(options.apart_px), 0, -1)
         corners = cv2.goodFeaturesToTrack(
@@ -223,9 +225,3 @@ class FeatureTracker:
         live.maps = np.concatenate([live.maps, np.tile(np.eye(2), (len(points), 1, 1))])
         live.before_anchor = np.concatenate([live.before_anchor, np.zeros(len(points))])
         live.anchors = live.anchors.followed_by(Anchors.of(grey, points))
-
-
-def _grey(stretched: Radiance) -> Labels:
-    """Return eight bits of a stretched image, black sky to brightest."""
-    top = max(float(np.percentile(stretched, 99.9)), 1.0)
-    return np.asarray(np.clip(255.0 * stretched / top, 0.0, 255.0).astype(np.uint8))

@@ -16,6 +16,8 @@ iSAM, 2008, with elimination of the points first.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from models.arrays import Floats, Indices
@@ -26,20 +28,20 @@ from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
 from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
+from pipelines.unknown_target.facet_in_sight import facet_in_sight
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.observation_rows import (
     Epochs,
     Placed,
     Rows,
-    centre_rows,
     placed,
     sighting_rows,
-    surface_rows,
 )
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
-from pipelines.unknown_target.sightings import Ranges, Sightings
+from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
+from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
 from pipelines.unknown_target.unknowns import (
@@ -97,7 +99,7 @@ class BatchEstimator:
         self._give_birth(number)
         self._sightings = self._sightings.followed_by(known)
         if frame.range_m is not None and frame.range_sigma_m is not None:
-            self._take_range(number, frame.range_m, frame.range_sigma_m)
+            self._take_range(number, frame.range_m, frame.range_sigma_m, known)
         self._solved = self._equations.solve()
         count, options = number + 1, self._options
         if (
@@ -119,6 +121,7 @@ class BatchEstimator:
             tuple(self._tracks.names),
             self._tracks.live,
             self._options.lost_share,
+            self._options.most_sigma_m,
         )
 
     @property
@@ -225,31 +228,21 @@ class BatchEstimator:
         self._equations.D[before:] += prior.D[before:]
         self._equations.d[before:] += prior.d[before:]
 
-    def _take_range(self, number: int, range_m: float, sigma_m: float) -> None:
-        self._ranges = self._ranges.with_one(number, range_m, sigma_m)
+    def _take_range(self, number: int, range_m: float, sigma_m: float, known: Sightings) -> None:
+        facet = facet_in_sight(known.seen, known.who)
+        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet)
         if not len(self._at.points):
             return
         where, frame = self._placed(np.array([number]))
-        one = Ranges(frame, self._ranges.range_m[-1:], self._ranges.sigma_m[-1:])
+        one = replace(self._ranges.take(slice(-1, None)), frame=frame)
         rows = self._range_rows(where, one, self._at)
         weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
         self._add(rows, weights / self._alike)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
-        if self._options.range_to == "centre":
-            return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
-        sigma = np.hypot(ranges.sigma_m, np.hypot(self._options.relief_m, self._hull_sigma()))
-        return surface_rows(
-            where, at.points, self._tracks.live, ranges.frame, ranges.range_m, sigma
-        )
-
-    def _hull_sigma(self) -> float:
-        """Return how well the corners of the hull are known, m: while they are not, nor is it."""
-        spread = self._solved.point_covariances()
-        if len(spread) < len(self._at.points):
-            return self._prior.point_information**-0.5
-        own = np.trace(spread[self._tracks.live], axis1=1, axis2=2)
-        return float(np.sqrt(np.mean(own))) if len(own) else 0.0
+        live = self._tracks.live
+        spread_m = hull_sigma_m(self._solved, live, self._prior)
+        return range_rows(where, ranges, at, live, spread_m, self._options)
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)
@@ -257,6 +250,8 @@ class BatchEstimator:
 
     def _linearise(self) -> None:
         """Linearise everything anew about the solution; look elsewhere if that explains nothing."""
+        if self._options.range_to == "facet":
+            self._ranges = facets_found(self._ranges, self._sightings, self._tracks.live)
         best = self._descended(
             self._at.moved(*within_reach(self._solved.shared, self._solved.points))
         )
@@ -336,7 +331,7 @@ class BatchEstimator:
     @property
     def _alike(self) -> float:
         """How many ranges are worth one: those to a surface err alike as long as they meet it."""
-        return self._options.relief_frames if self._options.range_to == "surface" else 1.0
+        return 1.0 if self._options.range_to == "centre" else self._options.relief_frames
 
     def _summed(
         self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]
@@ -370,7 +365,7 @@ class BatchEstimator:
         refused = np.bincount(who[weights < REFUSED], minlength=points)
         bad = (seen >= FEW) & (refused > self._options.bad_share * seen) & self._tracks.live
         if bad.any():
-            self._tracks.give_up(np.flatnonzero(bad))
+            self._tracks.give_up(np.flatnonzero(bad), again=self._options.second_chances)
             self._sightings = self._sightings.take(~bad[who])
 
     def _freeze(self, rows: tuple[Rows, Rows], weights: list[Floats]) -> None:

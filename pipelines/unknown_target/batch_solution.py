@@ -31,7 +31,7 @@ class BatchSolution:
         Track of each point.
     live : (n,) bool array
         Points that still go by it.
-    lost_share : float
+    lost_share, most_sigma_m : float
         See ``BatchOptions``.
     """
 
@@ -43,6 +43,7 @@ class BatchSolution:
     names: tuple[int, ...]
     live: Mask
     lost_share: float
+    most_sigma_m: float = float(np.inf)
 
     @cached_property
     def unknowns(self) -> Unknowns:
@@ -72,6 +73,12 @@ class BatchSolution:
         by_shared[6:9, TURN] = self.where.turn_by_rest[0]
         by_shared[9:, TURN] = self.where.omega_by_rest[0]
         return by_shared
+
+    @cached_property
+    def point_sigmas(self) -> Floats:
+        """(n,) array, m: of each point, the root of its covariance's trace."""
+        traces = np.trace(self.solved.point_covariances(), axis1=1, axis2=2)
+        return np.asarray(np.sqrt(np.maximum(traces, 0.0)))
 
     @cached_property
     def inertia(self) -> Floats:

@@ -193,7 +193,7 @@ def sighting_rows(
     by_point = by_cam @ turn
     by_shared = np.empty((len(who), 2, SHARED))
     by_shared[:, :, PLACE] = by_cam @ where.origin_by_place[frame]
-    by_shared[:, :, TURN] = _cross(place[:, None], by_point) @ where.turn_by_rest[frame]
+    by_shared[:, :, TURN] = cross(place[:, None], by_point) @ where.turn_by_rest[frame]
     return Rows(by_shared, by_point, (seen - across) / sigma[:, None], who)
 
 
@@ -252,7 +252,7 @@ def surface_rows(
     by_point = by_cam @ turn
     by_shared = np.empty((len(frame), 1, SHARED))
     by_shared[:, :, PLACE] = by_cam @ where.origin_by_place[frame]
-    by_shared[:, :, TURN] = _cross(points[nearest][:, None], by_point) @ where.turn_by_rest[frame]
+    by_shared[:, :, TURN] = cross(points[nearest][:, None], by_point) @ where.turn_by_rest[frame]
     return Rows(by_shared, by_point, ((range_m - met) / sigma_m)[:, None], nearest)
 
 
@@ -276,8 +276,13 @@ def _entry(points: Floats, eye: Floats, beam: Floats) -> tuple[Floats, Indices |
     return np.where(hit, met, np.nan), hull.simplices[first].astype(np.int64)
 
 
-def _cross(first: Floats, second: Floats) -> Floats:
-    """Return the cross product over the last axis; NumPy's own is slow."""
+def cross(first: Floats, second: Floats) -> Floats:
+    """Return the cross product over the last axis, (..., 3); NumPy's own is slow.
+
+    Parameters
+    ----------
+    first, second : (..., 3) array
+    """
     ax, ay, az = first[..., 0], first[..., 1], first[..., 2]
     bx, by, bz = second[..., 0], second[..., 1], second[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

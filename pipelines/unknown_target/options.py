@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from models.errors import ScenarioError
+from pipelines.features.feature_tracker import TrackerOptions
 
-RangeTo: TypeAlias = Literal["centre", "surface"]
+RangeTo: TypeAlias = Literal["centre", "surface", "facet"]
 VARIANTS = ("paper", "best")
 
 
@@ -44,9 +45,12 @@ class BatchOptions:
     Attributes
     ----------
     range_to : str
-        What a range is taken to be to: ``surface``, or the ``centre`` of mass as in the paper.
+        What a range is taken to be to: ``surface``, the hull of all points; ``facet``, the surface
+        between those that were seen about the beam; or the ``centre`` of mass as in the paper.
     relief_m : float, m
         1 sigma by which the surface lies off the hull of the points.
+    relief_share : float
+        And off a facet, as a share of its longest side.
     relief_frames : float
         So many ranges in a row err alike by that: together they count as one.
     births : int
@@ -72,10 +76,15 @@ class BatchOptions:
         1 sigma of the numbers of the inertia's chart before any measurement.
     lost_share : float
         What is still this uncertain, as a share of before, is told to be lost.
+    second_chances : bool
+        Whether the track of a point that was given up may become another.
+    most_sigma_m : float, m
+        Points less certain than that are not told of.
     """
 
     range_to: RangeTo = "surface"
     relief_m: float = 0.01
+    relief_share: float = 0.05
     relief_frames: float = 10.0
     births: int = 3
     birth_reach: float = 0.1
@@ -88,11 +97,13 @@ class BatchOptions:
     bad_share: float = 0.6
     inertia_sigma: float = 0.5
     lost_share: float = 0.5
+    second_chances: bool = True
+    most_sigma_m: float = float("inf")
 
     def __post_init__(self) -> None:
-        if self.range_to not in ("centre", "surface"):
+        if self.range_to not in ("centre", "surface", "facet"):
             raise ScenarioError(
-                "unknown target options: expected range_to of 'centre' or 'surface', "
+                "unknown target options: expected range_to of 'centre', 'surface' or 'facet', "
                 f"got {self.range_to!r}"
             )
         if self.births < 1 or not self.growth > 1.0 or not self.gate_sigmas > 0.0:
@@ -118,6 +129,42 @@ class UnknownTargetOptions:
     variant: str = "best"
     unscented: UnscentedOptions = field(default_factory=UnscentedOptions)
     batch: BatchOptions = field(default_factory=BatchOptions)
+
+
+@dataclass(frozen=True)
+class ImageOptions:
+    """Settings on images, where tracks are our own.
+
+    Attributes
+    ----------
+    tracker : TrackerOptions
+    batch : BatchOptions
+    alike_frames : float
+        So many sightings of a track in a row err alike, for it drifts: what is stated of all
+        that is known is wider by the root of it.
+    """
+
+    tracker: TrackerOptions = field(default_factory=TrackerOptions)
+    batch: BatchOptions = field(
+        default_factory=lambda: BatchOptions(
+            range_to="facet",
+            births=6,
+            birth_reach=0.01,
+            every_frame_until=4,
+            growth=1.25,
+            bend=1000.0,
+            iterations=6,
+            gate_sigmas=3.0,
+            bad_share=0.2,
+            relief_share=0.1,
+            second_chances=False,
+            most_sigma_m=0.3,
+        )
+    )
+    alike_frames: float = 20.0
+
+
+IMAGE_VARIANTS = {"best": ImageOptions()}
 
 
 def options_for(variant: str) -> UnknownTargetOptions:

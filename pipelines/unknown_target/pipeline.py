@@ -10,7 +10,7 @@ from models.frame import Frame
 from models.pose import RigidTransform
 from pipelines.unknown_target.batch_estimator import BatchEstimator
 from pipelines.unknown_target.options import UnknownTargetOptions
-from pipelines.unknown_target.paper_filter import PaperFilter
+from pipelines.unknown_target.paper_filter import PaperEstimate, PaperFilter
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.target_estimate import TargetEstimate, of_batch, of_filter
 from pipelines.unknown_target.tracked_frame import TrackedFrame, seen
@@ -40,6 +40,7 @@ class UnknownTarget:
     ) -> None:
         self._filter: PaperFilter | None = None
         self._batch: BatchEstimator | None = None
+        self._said: PaperEstimate | None = None
         if options.variant == "paper":
             self._filter = PaperFilter(camera, mean_motion_rad_s, start, options.unscented)
         else:
@@ -47,11 +48,23 @@ class UnknownTarget:
 
     def take(self, frame: TrackedFrame) -> TargetEstimate:
         """Take in what was seen at one time; return what is known after it."""
+        self.add(frame)
+        return self.known()
+
+    def add(self, frame: TrackedFrame) -> None:
+        """Take in what was seen at one time."""
         if self._filter is not None:
-            return of_filter(self._filter.add(frame))
+            self._said = self._filter.add(frame)
+            return
         assert self._batch is not None
         self._batch.add(frame)
-        return of_batch(self._batch.solution())
+
+    def known(self) -> TargetEstimate:
+        """Return what is known after the last frame; there was one."""
+        if self._batch is not None:
+            return of_batch(self._batch.solution())
+        assert self._said is not None
+        return of_filter(self._said)
 
     def process(self, frame: Frame) -> Estimate:
         """Take in a frame; its pose is that of the target's centre of mass.
@@ -62,33 +75,44 @@ class UnknownTarget:
             If a stream is missing or says what cannot be.
         """
         tracked = seen(frame)
-        known = self.take(tracked)
-        states = {
-            MOTION: NamedState(
-                {
-                    "rho_in_lvlh_m": known.rho_in_lvlh,
-                    "rho_dot_in_lvlh_m_s": known.rho_dot_in_lvlh,
-                    "omega_in_target_rad_s": known.omega_in_target,
-                },
-                known.covariance,
-            ),
-            SHAPE: NamedState(
-                {
-                    "points_in_target_m": known.points_in_target,
-                    "track": np.array(known.names, dtype=np.float64),
-                }
-            ),
-            INERTIA: NamedState({"inertia_of_trace_1": known.inertia}),
-        }
-        if len(known.names) < FEWEST_POINTS:
-            told = f"{len(known.names)} points known, expected {FEWEST_POINTS} or more"
-            return Estimate(frame.index, frame.time_s, reason=told, states=states)
-        origin = -tracked.R_cam_from_lvlh @ known.rho_in_lvlh
-        pose = PoseEstimate(
-            RigidTransform(known.R_cam_from_target, origin), _pose_covariance(known, tracked)
-        )
-        mode = "tracked" if len(tracked.tracks) else "predicted"
-        return Estimate(frame.index, frame.time_s, pose, mode=mode, states=states)
+        return estimate_of(self.take(tracked), tracked)
+
+
+def estimate_of(known: TargetEstimate, frame: TrackedFrame) -> Estimate:
+    """Return what is known after a frame as the estimate of that frame.
+
+    Parameters
+    ----------
+    known : TargetEstimate
+    frame : TrackedFrame
+    """
+    shape = {
+        "points_in_target_m": known.points_in_target,
+        "track": np.array(known.names, dtype=np.float64),
+    }
+    if known.sigma_m is not None:
+        shape["sigma_m"] = known.sigma_m
+    states = {
+        MOTION: NamedState(
+            {
+                "rho_in_lvlh_m": known.rho_in_lvlh,
+                "rho_dot_in_lvlh_m_s": known.rho_dot_in_lvlh,
+                "omega_in_target_rad_s": known.omega_in_target,
+            },
+            known.covariance,
+        ),
+        SHAPE: NamedState(shape),
+        INERTIA: NamedState({"inertia_of_trace_1": known.inertia}),
+    }
+    if len(known.names) < FEWEST_POINTS:
+        told = f"{len(known.names)} points known, expected {FEWEST_POINTS} or more"
+        return Estimate(frame.index, frame.time_s, reason=told, states=states)
+    origin = -frame.R_cam_from_lvlh @ known.rho_in_lvlh
+    pose = PoseEstimate(
+        RigidTransform(known.R_cam_from_target, origin), _pose_covariance(known, frame)
+    )
+    mode = "tracked" if len(frame.tracks) else "predicted"
+    return Estimate(frame.index, frame.time_s, pose, mode=mode, states=states)
 
 
 def _pose_covariance(known: TargetEstimate, frame: TrackedFrame) -> np.ndarray:

@@ -9,7 +9,7 @@ from pipelines.unknown_target.observation_rows import Placed
 from pipelines.unknown_target.sightings import Sightings
 
 FEW = 8  # observations, below which no point is judged
-MOST_WAITING = 12  # sightings of a track that is no point yet; older ones are forgotten
+MOST_WAITING = 24  # sightings of a track that is no point yet; older ones are forgotten
 
 
 class PointTracks:
@@ -25,6 +25,7 @@ class PointTracks:
         self._births = births
         self._waiting: dict[int, list[tuple[int, Floats, float]]] = {}
         self._place: dict[int, int] = {}
+        self._refused: set[int] = set()
         self.names: list[int] = []
 
     @property
@@ -49,6 +50,8 @@ class PointTracks:
         names = tracks.tolist()
         known = np.array([name in self._place for name in names], dtype=bool)
         for place in np.flatnonzero(~known):
+            if names[place] in self._refused:
+                continue
             waiting = self._waiting.setdefault(names[place], [])
             waiting.append((frame, seen[place], float(sigma[place])))
             del waiting[:-MOST_WAITING]
@@ -76,14 +79,18 @@ class PointTracks:
         self.names.append(name)
         return self._place[name]
 
-    def give_up(self, points: Indices) -> None:
-        """Let the tracks of some points begin anew, as others.
+    def give_up(self, points: Indices, again: bool = True) -> None:
+        """Let the tracks of some points go.
 
         Parameters
         ----------
         points : (k,) int array
+        again : bool
+            Whether they begin anew, as others; what slides does not, for it is no place at all.
         """
         gone = set(points.tolist())
+        if not again:
+            self._refused |= {self.names[place] for place in gone}
         self._place = {name: place for name, place in self._place.items() if place not in gone}
 
 

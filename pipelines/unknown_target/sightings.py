@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from models.arrays import Floats, Indices, Mask
+from pipelines.unknown_target.facet_in_sight import Facets, facet_in_sight
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +91,19 @@ class Ranges:
     frame : (m,) int array
         Place among the epochs.
     range_m, sigma_m : (m,) array, m
+    facets : Facets
+        Between which points each beam fell, as that image showed them.
     """
 
     frame: Indices
     range_m: Floats
     sigma_m: Floats
+    facets: Facets
 
     @classmethod
     def none(cls) -> Ranges:
         """Return none at all."""
-        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), Facets.none(0))
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -111,18 +115,45 @@ class Ranges:
         ----------
         which : (m,) bool array or slice
         """
-        return Ranges(self.frame[which], self.range_m[which], self.sigma_m[which])
+        return Ranges(
+            self.frame[which], self.range_m[which], self.sigma_m[which], self.facets.take(which)
+        )
 
-    def with_one(self, frame: int, range_m: float, sigma_m: float) -> Ranges:
+    def with_one(self, frame: int, range_m: float, sigma_m: float, facet: Facets) -> Ranges:
         """Return these and one more.
 
         Parameters
         ----------
         frame : int
         range_m, sigma_m : float, m
+        facet : Facets
+            One.
         """
         return Ranges(
             np.append(self.frame, frame),
             np.append(self.range_m, range_m),
             np.append(self.sigma_m, sigma_m),
+            self.facets.followed_by(facet),
         )
+
+
+def facets_found(ranges: Ranges, seen: Sightings, used: Mask) -> Ranges:
+    """Return ranges between the points that are believed in by now.
+
+    Parameters
+    ----------
+    ranges : Ranges
+    seen : Sightings
+    used : (n,) bool array
+        The points.
+    """
+    good = seen.take(used[seen.who]) if len(seen) else seen
+    order = np.argsort(good.frame, kind="stable")
+    frames = good.frame[order]
+    first = np.searchsorted(frames, ranges.frame, "left")
+    last = np.searchsorted(frames, ranges.frame, "right")
+    facets = Facets.none(0)
+    for start, end in zip(first.tolist(), last.tolist(), strict=True):
+        own = order[start:end]
+        facets = facets.followed_by(facet_in_sight(good.seen[own], good.who[own]))
+    return replace(ranges, facets=facets)

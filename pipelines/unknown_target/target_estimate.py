@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -33,6 +33,8 @@ class TargetEstimate:
         From the centre of mass, body axes: those of the first camera.
     inertia : (3, 3) array
         Of trace 1.
+    sigma_m : (n,) array or None, m
+        Of each point, the root of its covariance's trace; None where it is not asked.
     inertia_kg_m2 : (3, 3) array or None
         With the scale that ``paper`` believes in.
     lost_inertia_ratios : int or None
@@ -52,11 +54,22 @@ class TargetEstimate:
     inertia_kg_m2: Floats | None = None
     lost_inertia_ratios: int | None = None
     scale_lost: bool | None = None
+    sigma_m: Floats | None = None
+
+    def less_certain(self, times: float) -> TargetEstimate:
+        """Return the same with all variances so many times as large.
+
+        Parameters
+        ----------
+        times : float
+        """
+        sigma_m = None if self.sigma_m is None else np.sqrt(times) * self.sigma_m
+        return replace(self, covariance=times * self.covariance, sigma_m=sigma_m)
 
 
 def of_batch(solution: BatchSolution) -> TargetEstimate:
-    """Return what ``best`` says."""
-    live = np.flatnonzero(solution.live)
+    """Return what ``best`` says, of points that it knows well enough for the shape."""
+    live = np.flatnonzero(solution.live & (solution.point_sigmas < solution.most_sigma_m))
     return TargetEstimate(
         solution.motion[:3],
         solution.motion[3:6],
@@ -69,6 +82,7 @@ def of_batch(solution: BatchSolution) -> TargetEstimate:
         None,
         solution.lost_inertia_ratios,
         solution.scale_lost,
+        solution.point_sigmas[live],
     )
 
 

@@ -1,8 +1,8 @@
 """What comes in at one time: where tracks are in the image, a range, and how the camera stands.
 
-As a ``Frame`` these are three tables: ``tracks`` (``track, u_px, v_px, sigma_px``), ``range``
-(``range_m, sigma_m``) and ``camera_attitude`` (``q_cam_from_lvlh_w`` to ``_z``), the last from the
-chaser's attitude determination and the target's orbit.
+As a ``Frame`` these are three tables: ``tracks`` (``track, u_px, v_px, sigma_px``),
+``range_finder`` (``range_m, sigma_m``) and ``camera_attitude`` (``q_cam_from_lvlh_w`` to ``_z``),
+the last from the chaser's attitude determination and the target's orbit.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats, Indices
 from models.errors import DatasetError
-from models.frame import Frame, TableReading
+from models.frame import RANGE, Frame, TableReading
+from models.sensors.range_finder import RANGE_COLUMNS
 
-TRACKS, RANGE, CAMERA_ATTITUDE = "tracks", "range", "camera_attitude"
+TRACKS, CAMERA_ATTITUDE = "tracks", "camera_attitude"
 TRACK_COLUMNS = ("track", "u_px", "v_px", "sigma_px")
-RANGE_COLUMNS = ("range_m", "sigma_m")
 ATTITUDE_COLUMNS = tuple(f"q_cam_from_lvlh_{axis}" for axis in "wxyz")
 
 
@@ -89,8 +89,7 @@ def seen(frame: Frame) -> TrackedFrame:
         raise DatasetError(
             f"frame {frame.index}: expected a unit quaternion of the camera, got {wxyz.tolist()}"
         )
-    distance = frame.table(RANGE) if RANGE in frame.readings else None
-    there = distance is not None and len(distance.time_s) > 0
+    range_m, range_sigma_m = range_of(frame)
     return TrackedFrame(
         frame.index,
         frame.time_s,
@@ -98,9 +97,29 @@ def seen(frame: Frame) -> TrackedFrame:
         names,
         rows[:, 1:3],
         rows[:, 3],
-        float(distance.column("range_m")[-1]) if distance is not None and there else None,
-        float(distance.column("sigma_m")[-1]) if distance is not None and there else None,
+        range_m,
+        range_sigma_m,
     )
+
+
+def range_of(frame: Frame) -> tuple[float, float] | tuple[None, None]:
+    """Return the last distance that a frame brings, and its sigma, m; None where it brings none.
+
+    Raises
+    ------
+    DatasetError
+        If it is none that a sensor can give.
+    """
+    table = frame.table(RANGE) if RANGE in frame.readings else None
+    if table is None or not len(table.time_s):
+        return None, None
+    range_m, sigma_m = (float(table.column(name)[-1]) for name in RANGE_COLUMNS)
+    if not 0.0 <= range_m < np.inf or not 0.0 < sigma_m < np.inf:
+        raise DatasetError(
+            f"frame {frame.index}: expected a range_m of at least zero and a sigma_m above zero, "
+            f"both finite, got {range_m} and {sigma_m}; mend the stream {RANGE!r}"
+        )
+    return range_m, sigma_m
 
 
 def _one_row(columns: tuple[str, ...], time_s: float, row: Floats) -> TableReading:

@@ -34,7 +34,7 @@ from renders.store.claims import Claim
 from renders.store.kept_light import checked_budget, keeping
 from renders.store.light_keys import LightKeys
 from renders.store.radiance_store import RadianceStore, default_store
-from renders.truth.arm_truth import ARM_TRUTH, arm_truth_lines
+from renders.truth.sealed_texts import sealed_texts
 from renders.variant.choice import choose_variant
 from renders.world.build import world_of
 from renders.world.exposure import Exposure
@@ -103,7 +103,7 @@ class CaseRendering:
             world.bands,
             world.clock(0),
             world.target.markers if markers_are_told_otherwise(world.scenario.told) else None,
-            {} if (arm := arm_truth_lines(world)) is None else {ARM_TRUTH: arm},
+            sealed_texts(world),
         )
         self._poses = {e: world.trajectory.cam_from_target(e.time_s) for e in world.exposures}
         for exposure in world.exposures:  # one pose, one object: what is of it is made once

@@ -239,7 +239,7 @@ class Simulation:
             middle_s = clock.shows(time_s) + stream.offset_s
             readings[stream.name] = ImageReading(image, middle_s, exposure_ms)
         for sensor in world.tables:
-            rows = sensor.reading(number, time_s, self._last_s, self.run)
+            rows = sensor.along(world.trajectory).reading(number, time_s, self._last_s, self.run)
             readings[sensor.name] = clock.stamped_rows(rows)
         self._last, self._last_s = Frame(number, clock.shows(time_s), readings), time_s
         return self._last

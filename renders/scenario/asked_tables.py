@@ -26,3 +26,15 @@ class AskedTable(Table):
     starts_right: float | None = Field(
         None, ge=0, le=1, description="of the starts without a prior, at least"
     )
+    range_share: float | None = Field(
+        None, gt=0, le=1, description="of an unknown target: of its distance, at most"
+    )
+    rate_deg_s: float | None = Field(
+        None, gt=0, le=360, description="of an unknown target: deg/s, at most"
+    )
+    axis_deg: float | None = Field(
+        None, gt=0, le=180, description="of an unknown target's spin: deg, at most"
+    )
+    shape_rms_m: float | None = Field(
+        None, gt=0, le=1e6, description="of an unknown target's points to its surface: m, at most"
+    )

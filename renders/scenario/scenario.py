@@ -61,6 +61,7 @@ from renders.scenario.motion_choice import (
 from renders.scenario.motion_tables import FrameTable, MotionKind, MotionTable
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
+from renders.scenario.range_tables import RangeFinderTable, check_range_finder
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.sun_choice import check_suns
 from renders.scenario.surface_tables import SurfaceTable
@@ -148,6 +149,7 @@ class Scenario(Table):
     prior: PriorTable = PriorTable()  # type: ignore[call-arg]
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
+    range_finder: RangeFinderTable | None = Field(None, description="along the boresight")
     limits: LimitsTable = LimitsTable()  # type: ignore[call-arg]
     asked: AskedTable = AskedTable()  # type: ignore[call-arg]
     frame: FrameTable | None = Field(None, description="what a frame is")
@@ -305,6 +307,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_motion(scenario, where)
     check_suns(scenario, where)
     check_tumble(scenario, where)
+    check_range_finder(scenario, where)
     check_frames(scenario, where)
     gap = ("the time between images", shortest_gap_ms(scenario))
     if scenario.frame_kind == "pairs":

@@ -60,6 +60,10 @@ class OnboardTable(Table):
     )
     knows_inertia: bool = Field(True, description="whether the filters get the target's inertia")
     range_m: Numbers = Field((), description="nearest and farthest, if any is known")
+    knows_target: bool | None = Field(
+        None,
+        description="false: neither its shape nor its inertia is on board, to be found in flight",
+    )
 
 
 class TumbleTable(Table):

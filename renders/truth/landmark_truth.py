@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from models.arrays import Mask
+from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
@@ -27,7 +27,7 @@ def image_truth(
     cam_from_target: RigidTransform,
     *,
     motion: FreeMotion,
-    wireframe: Wireframe,
+    wireframe: Wireframe | None,
 ) -> ImageTruth:
     """Return the sealed record of an image.
 
@@ -40,12 +40,12 @@ def image_truth(
     cam_from_target : RigidTransform
     motion : FreeMotion
         Of the target and the chaser.
-    wireframe : Wireframe
+    wireframe : Wireframe or None
         Whose landmarks are looked for.
     """
     towards_earth, _ = world.earth_at(exposure.time_s)
     towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
-    points = wireframe.points_in_target
+    landmarks_px, visible = _landmarks(scene, wireframe, world.camera, cam_from_target)
     return ImageTruth(
         frame=exposure.frame,
         time_s=exposure.time_s,
@@ -54,8 +54,8 @@ def image_truth(
         chaser=motion.chaser_state(exposure.time_s),
         sun_dir_in_target=np.array(towards_sun),
         earth_dir_in_target=towards_earth,
-        landmarks_px=world.camera.project(cam_from_target @ points),
-        landmarks_visible=seen_landmarks(scene, wireframe, world.camera, cam_from_target),
+        landmarks_px=landmarks_px,
+        landmarks_visible=visible,
     )
 
 
@@ -79,10 +79,7 @@ def posed_truth(
         None where the target has none: the record then has no landmarks.
     """
     towards_sun = world.sun_at(world.sun, exposure.time_s).direction_in_target
-    landmarks_px, visible = np.empty((0, 2)), np.empty(0, dtype=np.bool_)
-    if wireframe is not None:
-        landmarks_px = world.camera.project(cam_from_target @ wireframe.points_in_target)
-        visible = seen_landmarks(scene, wireframe, world.camera, cam_from_target)
+    landmarks_px, visible = _landmarks(scene, wireframe, world.camera, cam_from_target)
     return PosedTruth(
         frame=exposure.frame,
         time_s=exposure.time_s,
@@ -91,6 +88,15 @@ def posed_truth(
         landmarks_px=landmarks_px,
         landmarks_visible=visible,
     )
+
+
+def _landmarks(
+    scene: Any, wireframe: Wireframe | None, camera: Camera, cam_from_target: RigidTransform
+) -> tuple[Floats, Mask]:
+    if wireframe is None:
+        return np.empty((0, 2)), np.empty(0, dtype=np.bool_)
+    landmarks_px = camera.project(cam_from_target @ wireframe.points_in_target)
+    return landmarks_px, seen_landmarks(scene, wireframe, camera, cam_from_target)
 
 
 def seen_landmarks(

@@ -75,11 +75,12 @@ class OfLandmarks:
     Attributes
     ----------
     motion : FreeMotion
-    wireframe : Wireframe
+    wireframe : Wireframe or None
+        None where it has none: then there are no landmarks.
     """
 
     motion: FreeMotion
-    wireframe: Wireframe
+    wireframe: Wireframe | None
 
     def __call__(
         self, scene: Any, world: World, exposure: Exposure, cam_from_target: RigidTransform

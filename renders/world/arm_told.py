@@ -17,6 +17,7 @@ from models.pose import RigidTransform
 from renders.scenario.told_tables import PriorTable, ToldArmTable
 from renders.world.arm_aboard import ArmAboard
 from renders.world.told_draws import EXACT, EXACT_VECTOR, drawn, errors_of
+from renders.world.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +86,10 @@ class JointReadings:
         """
         row = self.told.joints_deg(time_s, run)
         return TableReading(self.columns, np.array([time_s]), row[None])
+
+    def along(self, trajectory: Trajectory) -> JointReadings:
+        """Return itself: a camera that is steered leaves the joints as they are."""
+        return self
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.table_motion import Stills, TableMotion
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
 from models.onboard import FlightExpectations
+from models.sensors.range_finder import RangeFinder
 from models.sky.earth_pointing import rotation_from_wxyz
 from models.sky.sun_ephemeris import right_ascension_over
 from models.spacecraft.armed_chaser import armed_chaser
@@ -56,6 +57,7 @@ from renders.world.exposure_plan import (
 )
 from renders.world.moving_sun import with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
+from renders.world.range_readings import RangeReadings
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
 from renders.world.table_sensors import ChaserNavigation, TableSensor
 from renders.world.trajectory import FreeMotion, Trajectory
@@ -63,6 +65,7 @@ from renders.world.world import World
 
 SHORTEST_S = 1.0  # a motion of one frame lasts, too
 PAIRS, TUMBLES, POSED, DOTS = "retroreflector_pairs", "tumble_images", "posed_images", "dot_images"
+UNKNOWN = "unknown_images"
 
 
 def world_of(scenario: Scenario) -> World:
@@ -164,11 +167,12 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
     """
     motion = _free_motion(scenario, table)
     bodies, sensor = _bodies(scenario), single_camera(scenario)
-    wireframe, told = wireframe_of(scenario), table.onboard
+    told, known = table.onboard, table.onboard.knows_target is not False
+    wireframe = wireframe_of(scenario) if known else wireframe_if_any(scenario)
     share = scenario.pixel_scale**2
     return World(
         scenario=scenario,
-        chain=TUMBLES,
+        chain=TUMBLES if known else UNKNOWN,
         bodies=bodies,
         trajectory=motion,
         sky=_sky(scenario, TurningWithOrbit(motion)),
@@ -178,14 +182,16 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
             camera=sensor.camera,
             calibration=scenario.calibration,
             detector=scenario.simulated_detector,
-            wireframe=wireframe,
+            wireframe=wireframe if known else None,
             expectations=FlightExpectations(
                 cam_from_lvlh=CAM_FROM_LVLH,
                 sigma_px=told.sigma_px,
                 chaser_sigma_m=told.chaser_sigma_m,
                 chaser_sigma_m_s=told.chaser_sigma_m_s,
                 range_m=(told.range_m[0], told.range_m[1]) if told.range_m else None,
-                inertia_kg_m2=np.array(table.inertia_kg_m2) if told.knows_inertia else None,
+                inertia_kg_m2=(
+                    np.array(table.inertia_kg_m2) if known and told.knows_inertia else None
+                ),
             ),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
@@ -197,9 +203,21 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
             ChaserNavigation(
                 motion, scenario.render.seed, told.chaser_sigma_m, told.chaser_sigma_m_s
             ),
+            *_range_finder(scenario, bodies, motion),
         ),
         absolute=motion,
     )
+
+
+def _range_finder(
+    scenario: Scenario, bodies: Bodies, motion: FreeMotion
+) -> tuple[RangeReadings, ...]:
+    if scenario.range_finder is None:
+        return ()
+    table = scenario.range_finder.model_dump()
+    footprint_rad = 1e-3 * table.pop("footprint_mrad")
+    finder, rate_hz = RangeFinder(**table), scenario.motion.rate_hz
+    return (RangeReadings(finder, bodies, motion, rate_hz, scenario.render.seed, footprint_rad),)
 
 
 @dataclass(frozen=True, eq=False)

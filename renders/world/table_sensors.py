@@ -8,7 +8,7 @@ from typing import Protocol
 from models.frame import CHASER_ORBIT, TableReading
 from models.motion.chaser_navigation import corrupted
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS
-from renders.world.trajectory import FreeMotion
+from renders.world.trajectory import FreeMotion, Trajectory
 
 
 class TableSensor(Protocol):
@@ -41,6 +41,10 @@ class TableSensor(Protocol):
             Of the frame before, or before which nothing is asked for; what is later is given.
         run : int
         """
+        ...
+
+    def along(self, trajectory: Trajectory) -> TableSensor:
+        """Return the same sensor on a camera that moves otherwise, where that is of consequence."""
         ...
 
 
@@ -81,3 +85,7 @@ class ChaserNavigation:
             sigma_m=self.sigma_m,
             sigma_m_s=self.sigma_m_s,
         ).reading()
+
+    def along(self, trajectory: Trajectory) -> ChaserNavigation:
+        """Return itself: a camera that is steered leaves the orbit as it is."""
+        return self

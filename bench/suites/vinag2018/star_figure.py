@@ -48,8 +48,10 @@ def star_figure(seed: int, number: int = 0) -> str:
                           label=what)  # fmt: skip
         for row, hip in fix.identified[:12]:
             u, v = fix.spots.pixels[row]
-            panel.annotate(f"HIP {hip}", (u, v), (5, 5), textcoords="offset points",
-                           color=STAR, fontsize=6.5)  # fmt: skip
+            inwards = -1 if u > 0.5 * PIXELS else 1
+            panel.annotate(f"HIP {hip}", (u, v), (5 * inwards, 5), textcoords="offset points",
+                           ha="left" if inwards > 0 else "right", color=STAR,
+                           fontsize=6.5)  # fmt: skip
         panel.set_axis_off()
         panel.set_title(fix.reason or f"{len(fix.identified)} stars identified")
         figure.legend(loc="outside lower center", ncols=2)

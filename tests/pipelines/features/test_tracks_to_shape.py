@@ -59,4 +59,4 @@ def test_a_cube_is_found_from_its_images_alone():
     away_m = distance_to_cube(found.unknowns.points[found.live])
     assert abs(distance) < 0.01
     assert rate_deg_s < 0.05
-    assert np.median(away_m) < 0.02
+    assert np.median(away_m) < 0.03  # fine detail is half of so coarse a texture

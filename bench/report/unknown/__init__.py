@@ -1,0 +1,1 @@
+"""The report of a target that nobody has a model of."""

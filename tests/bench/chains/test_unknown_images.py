@@ -1,0 +1,64 @@
+"""The chain of an unknown target, from a folder of images to its page, and the wall in it."""
+
+import json
+import shutil
+
+import pytest
+
+from bench.cli import main
+from tests.support.unknown_cube import write_cube
+
+COUNT = 34
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("unknown") / "cube"
+    write_cube(made, COUNT)
+    assert main(["estimate", str(made)]) == 0
+    assert main(["score", str(made)]) == 0
+    assert main(["report", str(made)]) == 0
+    return made
+
+
+def test_the_score_tells_motion_shape_and_tracks(folder):
+    own = json.loads((folder / "score.json").read_text())["pipelines"]["best"]
+    assert set(own["parts"]) == {"motion", "shape", "tracks", "asked"}
+    assert own["parts"]["motion"]["last"]["range_share"] == pytest.approx(0.0, abs=0.05)
+    assert own["parts"]["shape"]["points"] > 20
+    assert own["parts"]["shape"]["rms_m"] is None  # only the name of this target is known
+    assert own["parts"]["tracks"]["tracks"] > 60
+    assert own["core"]["lost"]["count"] == own["parts"]["motion"]["first_frame"]
+
+
+def test_the_page_has_its_sections(folder):
+    page = (folder / "report.html").read_text()
+    for words in ("Errors over time", "Tracks", "spin axis error", "no model, no prior pose"):
+        assert words in page
+
+
+def test_estimates_are_the_same_without_the_truth(folder, tmp_path):
+    blind = tmp_path / "blind"
+    shutil.copytree(folder, blind)
+    for name in ("truth", "estimates"):
+        shutil.rmtree(blind / name)
+    assert main(["estimate", str(blind)]) == 0
+    told, again = ((place / "estimates" / "best.jsonl").read_bytes() for place in (folder, blind))
+    assert told == again
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("index,time_s,range_m\n0,0.0,8.0\n", "expected the columns"),
+        ("index,time_s,range_m,sigma_m\n0,0.0,far,0.01\n", "to be a number"),
+        ("index,time_s,range_m,sigma_m\n99,0.0,8.0,0.01\n", "the number of a frame"),
+        ("index,time_s,range_m,sigma_m\n0,5.0,8.0,0.01\n", "times that do not run back"),
+    ],
+)
+def test_hostile_range_tables_are_one_message(folder, tmp_path, capsys, text, told):
+    spoiled = tmp_path / "spoiled"
+    shutil.copytree(folder, spoiled, ignore=shutil.ignore_patterns("estimates"))
+    (spoiled / "range.csv").write_text(text)
+    assert main(["estimate", str(spoiled)]) == 2
+    assert told in capsys.readouterr().err.replace("\n", " ")
