@@ -9,6 +9,43 @@ import numpy as np
 from models.arrays import Floats
 
 UNIT_TOLERANCE = 1e-6  # a normal typed with seven digits passes
+SQUARE_TOLERANCE = 0.02  # cosine between an edge and its normal: surveys are a degree off
+
+
+@dataclass(frozen=True)
+class CornerCubes:
+    """What a mission knows of its retroreflectors: solid cubes behind round faces.
+
+    Attributes
+    ----------
+    refractive_index : float
+        Of the glass, at the lamps' wavelength.
+    edge_share : float
+        Half-width of the dark line that an edge's bevel and its image make, over the radius.
+    edges_in_target : (n, 3) array or None
+        Unit vectors along each face, over one of the cube's three edges; None where nobody knows
+        how the cubes are turned about their normals.
+
+    Raises
+    ------
+    ValueError
+        If the glass bends no light, a line is wider than the face, or an edge has not length one.
+    """
+
+    refractive_index: float
+    edge_share: float
+    edges_in_target: Floats | None = None
+
+    def __post_init__(self) -> None:
+        if not 1.0 < self.refractive_index < 5.0 or not 0.0 <= self.edge_share < 0.5:
+            raise ValueError(
+                "expected a refractive index between 1 and 5 and edges below half the radius, "
+                f"got {self.refractive_index} and {self.edge_share}"
+            )
+        if self.edges_in_target is not None:
+            lengths = np.linalg.norm(self.edges_in_target, axis=-1)
+            if not (np.abs(lengths - 1.0) <= UNIT_TOLERANCE).all():
+                raise ValueError(f"expected edges of length one, got lengths {lengths.tolist()}")
 
 
 @dataclass(frozen=True)
@@ -27,12 +64,14 @@ class MarkerPattern:
         Radius of every disc.
     paint : str
         Material of the discs; empty for retroreflectors.
+    cubes : CornerCubes or None
+        Of retroreflectors; None where nobody says what they are, and they pass for even discs.
 
     Raises
     ------
     ValueError
         If a shape is wrong, a name comes twice, a normal has not length one, the radius is not
-        positive or a value is not finite.
+        positive, a value is not finite, or a cube's edge does not lie along its face.
     """
 
     names: tuple[str, ...]
@@ -40,6 +79,7 @@ class MarkerPattern:
     normals_in_target: Floats
     radius_m: float
     paint: str = ""
+    cubes: CornerCubes | None = None
 
     def __post_init__(self) -> None:
         shape = (len(self.names), 3)
@@ -58,6 +98,16 @@ class MarkerPattern:
         lengths = np.linalg.norm(self.normals_in_target, axis=1)
         if not (np.abs(lengths - 1.0) <= UNIT_TOLERANCE).all():
             raise ValueError(f"expected normals of length one, got lengths {lengths.tolist()}")
+        edges = None if self.cubes is None else self.cubes.edges_in_target
+        if edges is not None:
+            if edges.shape != shape:
+                raise ValueError(f"expected edges of shape {shape}, got {edges.shape}")
+            slants = (edges * self.normals_in_target).sum(axis=1)
+            if not (np.abs(slants) <= SQUARE_TOLERANCE).all():
+                raise ValueError(
+                    "expected each cube's edge square to its normal, "
+                    f"got cosines of {slants.tolist()}"
+                )
 
     def __len__(self) -> int:
         return len(self.names)

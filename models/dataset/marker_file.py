@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import tomli_w
 
 from models.arrays import Floats
 from models.errors import DatasetError
-from models.markers import MarkerPattern
+from models.markers import CornerCubes, MarkerPattern
 from models.reading.bounds import LENGTH_M
 from models.reading.fields import Fields
 from models.reading.toml_file import read_toml
@@ -29,15 +31,22 @@ def markers_to_toml(markers: MarkerPattern) -> str:
         strict=True,
     )
     kind = {"kind": "white_dot"} if markers.paint else {}
-    return tomli_w.dumps(
-        {
-            "radius_m": float(markers.radius_m),
-            "marker": [
-                {"name": name, "point_in_target_m": point, "normal_in_target": normal, **kind}
-                for name, point, normal in rows
-            ],
+    table: dict[str, Any] = {
+        "radius_m": float(markers.radius_m),
+        "marker": [
+            {"name": name, "point_in_target_m": point, "normal_in_target": normal, **kind}
+            for name, point, normal in rows
+        ],
+    }
+    if (cubes := markers.cubes) is not None:
+        table["cubes"] = {
+            "refractive_index": float(cubes.refractive_index),
+            "edge_share": float(cubes.edge_share),
         }
-    )
+        if cubes.edges_in_target is not None:
+            for row, edge in zip(table["marker"], cubes.edges_in_target.tolist(), strict=True):
+                row["edge_in_target"] = edge
+    return tomli_w.dumps(table)
 
 
 def read_markers(path: Path) -> MarkerPattern:
@@ -60,11 +69,11 @@ def markers_of(fields: Fields) -> MarkerPattern:
     DatasetError
         As ``read_markers``.
     """
-    fields.only(("radius_m", "marker"))
+    fields.only(("radius_m", "marker"), ("cubes",))
     rows = fields.tables("marker", MOST_MARKERS)
     kinds: set[str] = set()
     for row in rows:
-        row.only(("name", "point_in_target_m", "normal_in_target"), ("kind",))
+        row.only(("name", "point_in_target_m", "normal_in_target"), ("kind", "edge_in_target"))
         kind = row.text("kind") if "kind" in row else "retroreflector"
         if kind not in PAINT_OF_KIND:
             raise row.refusal("kind", f"as one of {', '.join(PAINT_OF_KIND)}", kind)
@@ -81,6 +90,7 @@ def markers_of(fields: Fields) -> MarkerPattern:
             normals_in_target=normals.reshape(-1, 3),
             radius_m=radius_m,
             paint=PAINT_OF_KIND[kinds.pop()] if kinds else "",
+            cubes=_cubes_of(fields, rows),
         )
     except ValueError as error:
         raise DatasetError(f"{fields.where}: {error}") from error
@@ -90,6 +100,33 @@ def markers_of(fields: Fields) -> MarkerPattern:
             f"{LEAST_MARKERS}, apart and not on one line; {useless}"
         )
     return markers
+
+
+def _cubes_of(fields: Fields, rows: Sequence[Fields]) -> CornerCubes | None:
+    """Return what is said of the markers' cubes; None where nothing is.
+
+    Raises
+    ------
+    DatasetError
+        If only some edges are told, or edges of no cubes.
+    ValueError
+        If a value cannot be.
+    """
+    told = ["edge_in_target" in row for row in rows]
+    if any(told) and not all(told):
+        raise rows[told.index(False)].refusal("edge_in_target", "for every marker or none", None)
+    if "cubes" not in fields:
+        if any(told):
+            raise fields.refusal("cubes", "where markers have an edge_in_target", None)
+        return None
+    cubes = fields.table("cubes")
+    cubes.only(("refractive_index", "edge_share"))
+    edges = np.array([row.vector("edge_in_target", 3, -2.0, 2.0) for row in rows if any(told)])
+    return CornerCubes(
+        refractive_index=cubes.number("refractive_index", 1.0, 5.0, above=1.0),
+        edge_share=cubes.number("edge_share", 0.0, 0.5),
+        edges_in_target=edges if any(told) else None,
+    )
 
 
 def _useless(markers: MarkerPattern) -> str:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.markers import MarkerPattern
+from models.spacecraft.retroreflector_optics import cubes_behind
 
 RADIUS_M = 0.0127  # section 3.1
 
@@ -34,9 +35,12 @@ POINTS_IN_TARGET: dict[str, tuple[float, float, float]] = {
     "10": (0.0, -0.97, 0.18),
 }
 
+NORMALS_IN_TARGET = np.tile([0.0, 0.0, 1.0], (len(POINTS_IN_TARGET), 1))
+
 RETROREFLECTORS = MarkerPattern(
     names=tuple(POINTS_IN_TARGET),
     points_in_target=np.array(list(POINTS_IN_TARGET.values())),
-    normals_in_target=np.tile([0.0, 0.0, 1.0], (len(POINTS_IN_TARGET), 1)),
+    normals_in_target=NORMALS_IN_TARGET,
     radius_m=RADIUS_M,
+    cubes=cubes_behind(NORMALS_IN_TARGET),
 )

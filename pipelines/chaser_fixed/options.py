@@ -14,7 +14,7 @@ from pipelines.option_checks import check_sizes, variant_among
 from pipelines.pnp.motion_prediction import Prediction
 from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
-Centroiding: TypeAlias = Literal["weighted_blob", "disc_fit"]
+Centroiding: TypeAlias = Literal["weighted_blob", "disc_fit", "cube_fit"]
 Identification: TypeAlias = Literal["nearest_neighbour", "one_to_one"]
 
 VARIANTS = ("paper", "best")
@@ -50,7 +50,8 @@ class ChaserFixedOptions:
         The gate and the searched regions grow by this share with every frame lost.
     solver : LevenbergMarquardtOptions
     centroiding : str
-        ``weighted_blob``: equation 6; ``disc_fit``: see ``detection.disc_fit``.
+        ``weighted_blob``: equation 6; ``disc_fit``: see ``detection.disc_fit``; ``cube_fit``:
+        likewise, but of corner cubes that are known, see ``detection.cube_model``.
     identification : str
         ``nearest_neighbour`` as printed, or ``one_to_one`` (optimal assignment).
     prediction : str
@@ -140,7 +141,7 @@ BEST = ChaserFixedOptions(
         eps3=0.0,
         max_iterations=60,
     ),
-    centroiding="disc_fit",
+    centroiding="cube_fit",
     identification="one_to_one",
     prediction="constant_velocity",
     search_regions=True,

@@ -128,7 +128,7 @@ class ChaserFixed:
                 detections=self._unmatched(sighting.candidates),
             )
         solution = sighting.outcome
-        if self._options.centroiding == "disc_fit":
+        if self._options.centroiding != "weighted_blob":
             solution = self._refined(pair, frame.time_s, solution, predicted)
         self._motion.found(frame.time_s, solution.pose, solution.covariance)
         stated = self._stated_covariance(solution)
@@ -264,7 +264,7 @@ class ChaserFixed:
         The pose of the next frame errs by it alike: what predicts that frame does without.
         """
         calibration = {k: sigma for k, sigma in self._sigmas.items() if k in CALIBRATION}
-        if not calibration or self._options.centroiding != "disc_fit":
+        if not calibration or self._options.centroiding == "weighted_blob":
             return solution.covariance
         kept = solution.match.kept(solution.used)
         points = self._markers.points_in_target[kept.marker]

@@ -1,4 +1,4 @@
-"""The last step of the best variant: fit every disc where the pose says it is, and solve again."""
+"""The last step of the best variant: fit every marker where the pose says, and solve again."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from pipelines.chaser_fixed.options import ChaserFixedOptions
-from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_disc
-from pipelines.detection.disc_outline import disc_outlines
+from pipelines.detection.cube_model import CubeFace
+from pipelines.detection.cube_template import cube_template
+from pipelines.detection.disc_fit import DiscFit, ExpectedBlur, fit_appearance, fit_disc
+from pipelines.detection.disc_outline import DiscOutlines, disc_outlines
+from pipelines.detection.disc_window import cut_window
 from pipelines.detection.image_difference import saturation_level_dn
 from pipelines.detection.image_pair import ImagePair
 from pipelines.detection.pair_alignment import AlignedPatch, aligned_patch
@@ -22,6 +25,7 @@ from pipelines.pnp.match import Match
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0
 SIZE_LIMITS = (0.75, 1.33)
+EVEN_LIMITS = (-0.3, 1.3)  # of the share that a cube returns evenly: beyond, it is cut
 FURTHEST_MOTION_PX = 2.0  # within a pair; beyond it the velocity is not to be believed
 FURTHEST_RADII = 0.5  # a disc further from where the pose says is another thing
 
@@ -46,11 +50,13 @@ class FittedMarkers:
 def _believable(fit: DiscFit, radius_px: float, options: ChaserFixedOptions) -> bool:
     """Refuse what is faint, cut, of another size, or elsewhere."""
     reach = max(2.0, FURTHEST_RADII * radius_px)
+    even = fit.parameters.shares[:1]
     return bool(
         fit.parameters.height_dn > LEAST_HEIGHT_SIGMAS * fit.height_sigma_dn
         and fit.shape_misfit < options.max_misfit
         and SIZE_LIMITS[0] < fit.parameters.size < SIZE_LIMITS[1]
         and np.hypot(*fit.parameters.centre_px) < reach
+        and ((even > EVEN_LIMITS[0]) & (even < EVEN_LIMITS[1])).all()
     )
 
 
@@ -78,6 +84,44 @@ def contrast_800(
     if not (len(face) and len(surround)):
         return 0.0
     return float(abs(np.mean(face) - np.median(surround)) / height_dn)
+
+
+def fit_cube(
+    patch: AlignedPatch,
+    camera: Camera,
+    pose: RigidTransform,
+    markers: MarkerPattern,
+    index: int,
+    outlines: DiscOutlines,
+    detector: Detector,
+    saturation_dn: float,
+    blur: ExpectedBlur,
+) -> DiscFit | None:
+    """Fit one marker as the cube that it is known to be; None if there is no such cube.
+
+    Parameters
+    ----------
+    patch : AlignedPatch
+    camera, pose, markers
+    index : int
+        Of the marker.
+    outlines : DiscOutlines
+        Of all markers.
+    detector : Detector
+    saturation_dn : float, DN
+    blur : ExpectedBlur
+    """
+    centre, shape = outlines.centres_px[index], outlines.shapes_px2[index]
+    half_extent = np.sqrt(np.diag(shape))
+    template = cube_template(camera, pose, markers, index, centre, half_extent)
+    window = cut_window(
+        patch.image_800, patch.image_850, centre - patch.corner_px, half_extent, saturation_dn
+    )
+    if template is None or window is None:
+        return None
+    inverse: Floats = np.linalg.inv(shape).astype(np.float64)
+    face = CubeFace(template, inverse, float(outlines.radii_px[index]))
+    return fit_appearance(window, face, detector, blur)
 
 
 def fit_markers(
@@ -128,15 +172,20 @@ def fit_markers(
             np.clip(motions[index], -FURTHEST_MOTION_PX, FURTHEST_MOTION_PX),
             level,
         )
-        fit = fit_disc(
-            patch.image_800,
-            patch.image_850,
-            centre - patch.corner_px,
-            outlines.shapes_px2[index],
-            detector,
-            level,
-            blur,
-        )
+        if options.centroiding == "cube_fit" and markers.cubes is not None:
+            fit = fit_cube(
+                patch, camera, pose, markers, int(index), outlines, detector, level, blur
+            )
+        else:
+            fit = fit_disc(
+                patch.image_800,
+                patch.image_850,
+                centre - patch.corner_px,
+                outlines.shapes_px2[index],
+                detector,
+                level,
+                blur,
+            )
         if fit is None or not _believable(fit, radius, options):
             continue
         points.append(outlines.centres_px[index] + fit.parameters.centre_px)

@@ -1,4 +1,4 @@
-"""The image of one marker's disc, and its derivatives by everything that is fitted.
+"""The image of one marker's even disc, and its derivatives by everything that is fitted.
 
 Eleven things shape it; the ellipse's form and tilt come from the pose, the other nine are the
 parameters: where it is, its size, the lens's blur, the share of charge that neighbouring pixels
@@ -7,17 +7,18 @@ exchange, its height, the ramp of its brightness in x and y, and the background.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from models.arrays import Floats
+from models.arrays import Floats, Mask
 from pipelines.detection.pixel_edge import PIXEL_VARIANCE, edge_signal
 
 PARAMETERS = 9
 BLUR_RANGE_PX = (0.03, 3.0)  # below, the pixel's own square hides it
 CROSSTALK_RANGE = (-0.05, 0.2)
 SIZE_RANGE = (0.6, 1.6)
+SHARE_RANGE = (-0.5, 3.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +39,8 @@ class DiscParameters:
         Of the disc at its centre.
     ramp_dn_px : (2,) array, DN/px
     background_dn : float, DN
+    shares : (k,) array
+        What else an appearance has; none for an even disc.
     """
 
     centre_px: Floats
@@ -47,6 +50,7 @@ class DiscParameters:
     height_dn: float
     ramp_dn_px: Floats
     background_dn: float
+    shares: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def linear(self) -> Floats:
@@ -58,7 +62,7 @@ class DiscParameters:
 
         Parameters
         ----------
-        step : (9,) array
+        step : (9 + k,) array
             In this class's order and units.
         """
         return replace(
@@ -70,18 +74,30 @@ class DiscParameters:
             height_dn=float(self.height_dn + step[5]),
             ramp_dn_px=self.ramp_dn_px + step[6:8],
             background_dn=float(self.background_dn + step[8]),
+            shares=np.clip(self.shares + step[PARAMETERS:], *SHARE_RANGE),
         )
 
 
-def _exchanged(images: Floats, share: float) -> Floats:
-    """Let neighbours exchange charge; a rim of one pixel is used up."""
+def exchanged(images: Floats, share: float) -> Floats:
+    """Let neighbours exchange charge; a rim of one pixel is used up.
+
+    Parameters
+    ----------
+    images : (..., height + 2, width + 2) array
+    share : float
+        Of a pixel's charge that each neighbour along a row or column gets.
+
+    Returns
+    -------
+    (..., height, width) array
+    """
     keep = 1.0 - 2.0 * share
     rows = keep * images[..., 1:-1] + share * (images[..., 2:] + images[..., :-2])
     return keep * rows[..., 1:-1, :] + share * (rows[..., 2:, :] + rows[..., :-2, :])
 
 
-def _exchange_slope(image: Floats, share: float) -> Floats:
-    """Differentiate the exchange by its share."""
+def exchange_slope(image: Floats, share: float) -> Floats:
+    """Differentiate the exchange of an image, (height + 2, width + 2), by its share."""
     keep = 1.0 - 2.0 * share
     across = image[:, 2:] + image[:, :-2] - 2.0 * image[:, 1:-1]
     rows = keep * image[:, 1:-1] + share * (image[:, 2:] + image[:, :-2])
@@ -138,10 +154,71 @@ def disc_model(
     )
     disc = np.tensordot(parameters.linear[:3], raw[4:], axes=1)
     design = np.empty((PARAMETERS, x.shape[0] - 2, x.shape[1] - 2))
-    exchanged = _exchanged(raw, parameters.crosstalk)
-    design[:4] = exchanged[:4]
-    design[4] = _exchange_slope(disc, parameters.crosstalk)
-    design[5:8] = exchanged[4:]
+    shared = exchanged(raw, parameters.crosstalk)
+    design[:4] = shared[:4]
+    design[4] = exchange_slope(disc, parameters.crosstalk)
+    design[5:8] = shared[4:]
     design[8] = 1.0
     model = np.tensordot(parameters.linear, design[5:], axes=1)
     return model, design
+
+
+@dataclass(frozen=True, eq=False)
+class EvenDisc:
+    """A disc of even brightness, but for the ramp: an appearance without shares of its own.
+
+    Attributes
+    ----------
+    shape_inverse : (2, 2) array, px^-2
+    radius : float, px
+        As ``disc_model`` has them.
+    """
+
+    shape_inverse: Floats
+    radius: float
+
+    @property
+    def is_its_own_image(self) -> bool:
+        """It is, but a cut is what pulls a disc, and of that its misfit tells more."""
+        return False
+
+    @property
+    def expected_shares(self) -> Floats:
+        """(0,) array."""
+        return np.zeros(0)
+
+    @property
+    def share_sigmas(self) -> Floats:
+        """(0,) array."""
+        return np.zeros(0)
+
+    def covers(self, x: Floats, y: Floats) -> Mask:
+        """Tell which places it is expected to cover.
+
+        Parameters
+        ----------
+        x, y : (1, width) and (height, 1) arrays, px
+            From the predicted centre.
+
+        Returns
+        -------
+        (height, width) array of bool
+        """
+        form = self.shape_inverse
+        return np.asarray(form[0, 0] * x**2 + 2.0 * form[0, 1] * x * y + form[1, 1] * y**2 < 1.0)
+
+    def model(self, x: Floats, y: Floats, parameters: DiscParameters) -> tuple[Floats, Floats]:
+        """Return ``disc_model``.
+
+        Parameters
+        ----------
+        x, y : (1, width + 2) and (height + 2, 1) arrays, px
+            Columns and rows of the window and one pixel round it, from the predicted centre.
+        parameters : DiscParameters
+
+        Returns
+        -------
+        model : (height, width) array, DN
+        design : (9 + k, height, width) array
+        """
+        return disc_model(x, y, self.shape_inverse, self.radius, parameters)

@@ -1,17 +1,9 @@
-"""The face of a solid corner cube, where a pixel resolves it.
-
-Light that enters a cube's round face at q leaves it at ``-q - 2 L t``: each ray and its return are
-mirror images about the apex, which lies ``L = D / sqrt(2)`` under the face and is seen through it
-at ``-L t``, with t the tangent of the refracted angle, along the face (Arnold 1979). So
-
-* the aperture is the overlap of the face and its image, two circles of radius R about points
-  ``2 L t`` apart, and its middle is the apex;
-* three edges run from the apex, and their images opposite, so six dark lines, along
-  ``+-(sqrt(2) u + t)`` where u are the edges' directions in the face.
+"""The face of a solid corner cube, where a pixel resolves it: ``models.spacecraft.corner_cube``.
 
 A marker's point is where the apex is seen: at its depth, the middle of the aperture stands still
 for every direction, and the centroid with it. So all is drawn about that point; it stays within the
-disc. Edges are blurred by a pixel, inwards, so that its samples bring no noise; lines likewise.
+disc. Edges are blurred by a quarter of a pixel, inwards, so that its samples bring next to no
+noise; lines likewise.
 What a pixel sees of it has the mean, over the disc, of the effective disc's share A
 (``renders.tracing.retroreflector``), and is that where a pixel is larger than a part of the disc.
 
@@ -25,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-EDGE = 0.012  # of the radius: half of a dark line, 0.15 mm of bevel and its image; our estimate
-RESOLVED, UNRESOLVED = 0.12, 0.3  # pixels' sizes over the radius between which the two are blended
-LINES = tuple((float(np.cos(a)), float(np.sin(a))) for a in np.deg2rad((0.0, 120.0, 240.0)))
-ROOT2 = 2.0**0.5
+from models.spacecraft.corner_cube import EDGE, ROOT2, dark_lines, refracted_tangent
+
+SOFT = 0.25  # of a pixel: edges are blurred over that
+RESOLVED, UNRESOLVED = 0.12, 0.3  # blurs over the radius between which the two are blended
 CENTRE = EDGE**2 * 6.0 * 3.0**0.5 / float(np.pi)  # where lines meet they were counted twice
 LEAST_SHARE = 0.02  # of the disc: thinner apertures than that return next to nothing
 
@@ -86,12 +78,15 @@ def aperture_share(
     effective : array
         The disc's active aperture for that vector.
     """
+    half_z_squared = calc.maximum(1.0 - half_x * half_x - half_y * half_y, 0.0)
     half_x, half_y = half_x + cube.x * cube.near, half_y + cube.y * cube.near
-    sine_squared = half_x * half_x + half_y * half_y
-    inside = 1.0 / calc.sqrt(index * index - sine_squared)
-    tx, ty = half_x * inside, half_y * inside
+    # What points from the marker's point was of length one where it came from, not there.
+    length = 1.0 / calc.sqrt(calc.maximum(half_x * half_x + half_y * half_y + half_z_squared, 1e-6))
+    half_x, half_y = half_x * length, half_y * length
+    tx, ty = refracted_tangent(calc, half_x, half_y, index)
     ax, ay = ROOT2 * tx, ROOT2 * ty  # half of the way between the circles
-    blur = calc.minimum(cube.pixel, UNRESOLVED)
+    soft = SOFT * cube.pixel
+    blur = calc.minimum(soft, UNRESOLVED)
     radius = 1.0 - 0.5 * blur
     squared = radius * radius
     apart_squared = calc.minimum(ax * ax + ay * ay, squared)
@@ -103,9 +98,8 @@ def aperture_share(
     open_there = _share(calc, (1.0 - farthest) / blur)
     area = area * (1.0 + blur * blur / (12.0 * squared))  # mean over what is blurred
     half = calc.maximum(0.5 * blur, EDGE)
-    edge = EDGE * _share(calc, (UNRESOLVED - 2.0 * cube.pixel) * (1.0 / RESOLVED))
-    for ux, uy in LINES:
-        cx, cy = ROOT2 * ux - tx, ROOT2 * uy - ty
+    edge = EDGE * _share(calc, (UNRESOLVED - 2.0 * soft) * (1.0 / RESOLVED))
+    for cx, cy in dark_lines(tx, ty):
         length = 1.0 / calc.sqrt(cx * cx + cy * cy)
         cx, cy = cx * length, cy * length
         covered = _share(calc, (half + 0.5 * blur - calc.abs(x * cy - y * cx)) / blur)
@@ -115,6 +109,6 @@ def aperture_share(
         area = area - reach * edge * (4.0 / np.pi)
     area = area + CENTRE
     share = effective * open_there / calc.maximum(area, LEAST_SHARE)
-    seen = (UNRESOLVED - cube.pixel) * (1.0 / (UNRESOLVED - RESOLVED))
+    seen = (UNRESOLVED - soft) * (1.0 / (UNRESOLVED - RESOLVED))
     seen = _share(calc, seen) * _one_if(calc, area > LEAST_SHARE)
     return effective + seen * (share - effective)

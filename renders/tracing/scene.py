@@ -19,6 +19,7 @@ from models.arrays import Floats
 from models.markers import MarkerPattern
 from models.materials import MATERIALS
 from models.pose import RigidTransform
+from models.spacecraft.corner_cube import face_axes
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.retroreflector_optics import RetroreflectorOptics
 from models.spacecraft.stance import BODY_ALONE, Stance
@@ -153,12 +154,10 @@ def marker_transform(point: Floats, normal: Floats, radius_m: float) -> Floats:
         Of any length.
     radius_m : float, m
     """
-    z = normal / np.linalg.norm(normal)
-    helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    y = np.cross(z, helper)
-    y /= np.linalg.norm(y)
+    along, across = face_axes(normal)
+    outward = normal / np.linalg.norm(normal)
     matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([np.cross(y, z), y, z], axis=1) * radius_m
+    matrix[:3, :3] = np.stack([along, across, outward], axis=1) * radius_m
     matrix[:3, 3] = point
     return matrix
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from models.errors import ScenarioError
 from models.motion.prior import draw_prior
 from models.onboard import FlightExpectations, OnboardKnowledge, PosePrior
 from models.sensors.camera_chip import Detector
+from models.spacecraft.retroreflector_optics import cubes_behind
 from models.wireframe.wireframe import Wireframe
 from renders.detector.drift import drift_sigmas
 from renders.scenario.drift_table import DriftTable
@@ -108,6 +109,10 @@ class BeforeFlight:
                     f"expected a target with markers, {self.marked.target.name} has none; "
                     "the 800/850 nm pair shows retroreflectors only"
                 )
+            if not markers.paint:  # told as drawn
+                index = self.marked.optics.refractive_index
+                cubes = cubes_behind(markers.normals_in_target, index)
+                markers = replace(markers, cubes=cubes)
         true = OnboardKnowledge(
             camera=self.camera,
             detector=self.detector,

@@ -127,8 +127,12 @@ def told_markers(
     if turns_deg.any():
         turned = Rotation.from_rotvec(turns_deg, degrees=True).apply(normals)
         normals = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+    cubes = true.cubes
+    if cubes is not None and cubes.edges_in_target is not None and turns_deg.any():
+        edges = Rotation.from_rotvec(turns_deg, degrees=True).apply(cubes.edges_in_target)
+        cubes = replace(cubes, edges_in_target=edges)
     radius_m = true.radius_m + error_of(table.radius_m, run, "markers.radius_m")
-    return MarkerPattern(true.names, points, normals, radius_m, true.paint)
+    return MarkerPattern(true.names, points, normals, radius_m, true.paint, cubes)
 
 
 def told_wireframe(

@@ -16,10 +16,11 @@ from scipy.special import ndtr
 from models.arrays import Floats, Image
 from models.camera import Camera
 from models.frame import IMAGE_800, IMAGE_850, Frame, ImageReading
-from models.markers import MarkerPattern
+from models.markers import CornerCubes, MarkerPattern
 from models.pose import RigidTransform, euler_321_from_rotation, rotation_from_euler_321
 from models.sensors.camera_chip import Detector
 from pipelines.pnp.flight_knowledge import FlightKnowledge
+from tests.support.traced_cube import comes_back
 
 CAMERA_2048 = Camera.from_fov(2048, 2048, 50.0)
 CAMERA_1024 = Camera.from_fov(1024, 1024, 50.0)
@@ -93,6 +94,10 @@ class Scene:
     prnu : float
         Pixel response non-uniformity, 1 sigma.
     supersampling : int
+    cubes : CornerCubes or None
+        What the markers are, with all edges; even discs unless given.
+    even_share : float
+        Of a cube's light, what its face sends back evenly.
     """
 
     camera: Camera = CAMERA_1024
@@ -109,6 +114,8 @@ class Scene:
     cut: dict[int, float] = field(default_factory=dict)
     prnu: float = 0.0
     supersampling: int = 8
+    cubes: CornerCubes | None = None
+    even_share: float = 0.0
 
 
 def marker_window(scene: Scene, pose: RigidTransform, index: int) -> tuple[slice, slice] | None:
@@ -151,11 +158,35 @@ def disc_share(
     direction = np.deg2rad(scene.gradient_deg)
     along = (hits[:, 0] * np.cos(direction) + hits[:, 1] * np.sin(direction)) / markers.radius_m
     radiance = coverage * (1.0 + scene.gradient * along)
+    if scene.cubes is not None:
+        radiance = radiance * cube_share(scene, scene.cubes, pose, index, hits)
     if index in scene.cut:
         radiance = radiance * (hits[:, 0] / markers.radius_m > -1.0 + 2.0 * scene.cut[index])
     fine = gaussian_filter(radiance.reshape(u.shape), scene.psf_sigma_px * factor, truncate=6.0)
     blocks = fine.reshape(len(rows), factor, len(columns), factor).mean(axis=(1, 3))
     return np.asarray(blocks[pad:-pad, pad:-pad])
+
+
+def cube_share(
+    scene: Scene, cubes: CornerCubes, pose: RigidTransform, index: int, places: Floats
+) -> Floats:
+    """Return what places of a face, (n, 3) m from its centre, return of what an even disc would."""
+    normal = pose.rotate(scene.markers.normals_in_target[index])
+    assert cubes.edges_in_target is not None
+    edge = pose.rotate(cubes.edges_in_target[index])
+    axes = np.stack([edge, np.cross(normal, edge), normal])
+    towards = -(pose @ scene.markers.points_in_target[index])
+    x, y = (places @ axes[:2].T).T / scene.markers.radius_m
+    back = np.zeros(len(x))
+    near = np.hypot(x, y) < 1.1
+    back[near] = comes_back(
+        x[near],
+        y[near],
+        axes @ towards / np.linalg.norm(towards),
+        cubes.refractive_index,
+        cubes.edge_share,
+    )
+    return scene.even_share + (1.0 - scene.even_share) * back
 
 
 def marker_levels(scene: Scene) -> Floats:

@@ -98,3 +98,39 @@ def test_three_markers_apart_will_do(tmp_path: Path, turn: int) -> None:
     path = tmp_path / "markers.toml"
     path.write_text(markers_to_toml(pattern(points)))
     assert len(read_markers(path)) == 3
+
+
+def test_cubes_come_back_as_they_were_told(tmp_path: Path) -> None:
+    path = tmp_path / "markers.toml"
+    for edges in (True, False):
+        cubes = RETROREFLECTORS.cubes
+        assert cubes is not None
+        told = replace(cubes, edges_in_target=cubes.edges_in_target if edges else None)
+        path.write_text(markers_to_toml(replace(RETROREFLECTORS, cubes=told)))
+        back = read_markers(path).cubes
+        assert back is not None
+        assert (back.refractive_index, back.edge_share) == (1.4525, 0.012)
+        assert (back.edges_in_target is not None) == edges
+        if back.edges_in_target is not None:
+            np.testing.assert_array_equal(back.edges_in_target, cubes.edges_in_target)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("edge_in_target = [\n    1.0,", "edge_in_target = [\n    0.5,", "length one"),
+        ("edge_share = 0.012", "edge_share = 0.7", "edge_share"),
+        ("refractive_index = 1.4525", "refractive_index = 0.9", "refractive_index"),
+        ("edge_in_target = [\n    1.0,\n    0.0,\n    0.0,\n]\n", "", "every marker or none"),
+        ("[cubes]\nrefractive_index = 1.4525\nedge_share = 0.012\n", "", "cubes"),
+    ],
+)
+def test_cubes_that_cannot_be_are_refused(
+    tmp_path: Path, before: str, after: str, message: str
+) -> None:
+    text = markers_to_toml(RETROREFLECTORS)
+    assert before in text
+    path = tmp_path / "markers.toml"
+    path.write_text(text.replace(before, after, 1))
+    with pytest.raises(DatasetError, match=message):
+        read_markers(path)

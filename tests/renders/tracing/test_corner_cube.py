@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from models.arrays import Floats
-from renders.tracing.corner_cube import EDGE, UNRESOLVED, CubeView, aperture_share
+from models.spacecraft.corner_cube import EDGE
+from renders.tracing.corner_cube import SOFT, UNRESOLVED, CubeView, aperture_share
 from renders.tracing.retroreflector import active_aperture
 
 INDEX = 1.4525
@@ -31,7 +32,7 @@ def face(incidence_deg: float, azimuth_deg: float, pixel: float) -> tuple[Floats
 
 @pytest.mark.parametrize("incidence_deg", [0.0, 15.0, 25.0, 35.0])
 @pytest.mark.parametrize("azimuth_deg", [0.0, 20.0])
-@pytest.mark.parametrize("pixel", [0.03, 0.1, 0.2, 1.0])
+@pytest.mark.parametrize("pixel", [0.03, 0.1, 0.4, 0.8, 4.0])
 def test_the_disc_returns_as_much_as_before_from_the_same_middle(
     incidence_deg: float, azimuth_deg: float, pixel: float
 ) -> None:
@@ -89,5 +90,23 @@ def test_the_aperture_is_where_a_ray_goes_in_and_comes_out() -> None:
 
 
 def test_an_unresolved_cube_is_an_even_disc() -> None:
-    _, _, share, effective = face(20.0, 10.0, UNRESOLVED)
+    _, _, share, effective = face(20.0, 10.0, UNRESOLVED / SOFT)
     np.testing.assert_allclose(share, float(effective))
+
+
+def test_from_nearby_the_middle_stands_still_too() -> None:
+    """Each place sees the viewer in another direction; the aperture is that of the middle's."""
+    side = (np.arange(POINTS) + 0.5) / (0.5 * POINTS) - 1.0
+    x, y = (each.ravel() for each in np.meshgrid(side, side))
+    inside = x * x + y * y < 1.0
+    x, y = x[inside], y[inside]
+    sine, cosine = np.sin(np.deg2rad(20.0)), np.cos(np.deg2rad(20.0))
+    viewer = 1.8 / 0.0127 * np.array([sine, 0.0, cosine])
+    off = viewer - np.stack([x, y, np.zeros(len(x))], axis=1)
+    distance = np.linalg.norm(off, axis=1)
+    half = off / distance[:, None]
+    effective = float(active_aperture(cosine, INDEX))
+    view = CubeView(x, y, np.full(len(x), 0.07), 1.0 / distance)
+    share = aperture_share(np, view, half[:, 0], half[:, 1], INDEX, np.array(effective))
+    hundredth_of_a_grid_step = 1e-5  # 4e-4 were the aperture drawn for each place's own distance
+    assert abs((x * share).mean()) < hundredth_of_a_grid_step

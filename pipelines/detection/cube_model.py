@@ -1,0 +1,169 @@
+"""The image of a corner cube's face, and its derivatives by everything that is fitted.
+
+A template (``detection.cube_template``) is seen through the lens, a Gaussian, and the pixel's
+square, which are separable: two matrices carry it from its grid to the window, and their own
+derivatives are those of the image by its place, its size and the blur. Beside the parameters of a
+disc it has two shares: of light that the face sends back evenly, and of the darkness that the
+edges should have.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from models.arrays import Floats, Mask
+from pipelines.detection.cube_template import CubeTemplate
+from pipelines.detection.disc_model import (
+    PARAMETERS,
+    DiscParameters,
+    exchange_slope,
+    exchanged,
+)
+
+EVEN_SIGMA = 1.0  # of the share that comes back evenly: nobody knows
+EDGE_SIGMA = 0.5  # of the edges' darkness, over what their width says
+
+
+@dataclass(frozen=True, eq=False)
+class _Spread:
+    """What carries a row or column of the grid to the window's pixels, and its derivatives."""
+
+    value: Floats
+    by_centre: Floats
+    by_size: Floats
+    by_blur: Floats
+
+
+def _spread(pixels: Floats, grid: Floats, step: float, size: float, blur: float) -> _Spread:
+    """Integrate a Gaussian over the squares of pixels and of the grid.
+
+    With ``g(z) = z Phi(z) + phi(z)``, two boxes of widths 1 and w, u apart, exchange
+    ``b [g((u + (1 + w) / 2) / b) - g((u + (1 - w) / 2) / b) - ...]`` under a blur of b.
+    """
+    width = step * size
+    away = pixels[:, None] - size * grid[None, :]
+    half_sum, half_difference = 0.5 * (1.0 + width), 0.5 * (1.0 - width)
+    corners = (half_sum, half_difference, -half_difference, -half_sum)
+    scaled = np.stack([(away + corner) / blur for corner in corners])
+    density = np.exp(-0.5 * scaled * scaled) / np.sqrt(2.0 * np.pi)
+    share = ndtr(scaled)
+    signs = np.array([1.0, -1.0, -1.0, 1.0])
+    by_away = np.tensordot(signs, share, axes=1)
+    by_width = 0.5 * (share[0] + share[1] - share[2] - share[3])
+    return _Spread(
+        value=blur * np.tensordot(signs, scaled * share + density, axes=1),
+        by_centre=-by_away,
+        by_size=step * by_width - grid * by_away,
+        by_blur=np.tensordot(signs, density, axes=1),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class CubeFace:
+    """A cube's face as an appearance.
+
+    Attributes
+    ----------
+    template : CubeTemplate
+    shape_inverse : (2, 2) array, px^-2
+        Of the face's outline ``d^T S^-1 d = 1``.
+    radius : float, px
+        Of the circle of the outline's area.
+    """
+
+    template: CubeTemplate
+    shape_inverse: Floats
+    radius: float
+
+    @property
+    def is_its_own_image(self) -> bool:
+        """It is, through its centre."""
+        return True
+
+    @property
+    def expected_shares(self) -> Floats:
+        """(2,) array: nothing comes back evenly, the edges are as dark as they should be."""
+        return np.array([0.0, 1.0])
+
+    @property
+    def share_sigmas(self) -> Floats:
+        """(2,) array."""
+        return np.array([EVEN_SIGMA, EDGE_SIGMA])
+
+    def covers(self, x: Floats, y: Floats) -> Mask:
+        """Tell which places lie where the aperture is sure to be open.
+
+        Parameters
+        ----------
+        x, y : (1, width) and (height, 1) arrays, px
+            From the predicted centre.
+
+        Returns
+        -------
+        (height, width) array of bool
+        """
+        form = self.shape_inverse
+        ellipse = form[0, 0] * x**2 + 2.0 * form[0, 1] * x * y + form[1, 1] * y**2
+        return np.asarray(ellipse < max(self.template.aperture_share, 0.05) ** 2)
+
+    def model(self, x: Floats, y: Floats, parameters: DiscParameters) -> tuple[Floats, Floats]:
+        """Evaluate the model and its design.
+
+        Parameters
+        ----------
+        x, y : (1, width + 2) and (height + 2, 1) arrays, px
+            Columns and rows of the window and one pixel round it, from the projected centre.
+        parameters : DiscParameters
+            With two shares: even, and of the edges' darkness.
+
+        Returns
+        -------
+        model : (height, width) array, DN
+        design : (11, height, width) array
+            Derivatives by the parameters.
+        """
+        template, size, blur = self.template, parameters.size, parameters.blur_px
+        even, darkness = parameters.shares
+        step = template.step_px
+        across = _spread(x[0] - parameters.centre_px[0], template.x, step, size, blur)
+        down = _spread(y[:, 0] - parameters.centre_px[1], template.y, step, size, blur)
+        lit = template.aperture - darkness * template.edges
+        smooth = template.aperture_share * template.face
+        profile = (1.0 - even) * lit + even * smooth
+        leaning_x, leaning_y = profile * template.x, profile * template.y[:, None]
+        height, (ramp_x, ramp_y) = parameters.height_dn, parameters.ramp_dn_px
+        brightness = height + ramp_x * template.x + ramp_y * template.y[:, None]
+        whole = brightness * profile
+
+        sideways = whole @ across.value.T
+        raw = np.stack(
+            [
+                down.value @ (whole @ across.by_centre.T),
+                down.by_centre @ sideways,
+                down.value @ (whole @ across.by_size.T) + down.by_size @ sideways,
+                down.value @ (whole @ across.by_blur.T) + down.by_blur @ sideways,
+                *(
+                    down.value @ (picture @ across.value.T)
+                    for picture in (
+                        profile,
+                        leaning_x,
+                        leaning_y,
+                        brightness * (smooth - lit),
+                        -brightness * (1.0 - even) * template.edges,
+                    )
+                ),
+            ]
+        )
+        image = np.tensordot(parameters.linear[:3], raw[4:7], axes=1)
+        shared = exchanged(raw, parameters.crosstalk)
+        design = np.empty((PARAMETERS + 2, *shared.shape[1:]))
+        design[:4] = shared[:4]
+        design[4] = exchange_slope(image, parameters.crosstalk)
+        design[5:8] = shared[4:7]
+        design[8] = 1.0
+        design[PARAMETERS:] = shared[7:]
+        model = np.tensordot(parameters.linear, design[5:9], axes=1)
+        return model, design
