@@ -336,7 +336,9 @@ BAD_INPUT: dict[str, tuple[Spoil, str]] = {
         "score DIR"),
     "other markers than the true ones": (
         lambda d: (d / "truth/markers.toml").write_text(
-            (d / "markers.toml").read_text().rsplit("[[marker]]", 1)[0]), "score DIR"),
+            re.sub(r"(?s)\[\[marker\]\].*?(?=\[\[marker\]\])", "",
+                   (d / "markers.toml").read_text(), count=1)),
+        "score DIR"),
     "a binary truth": (
         lambda d: (d / "truth/exposures.jsonl").write_bytes(b"\xff\xfe"), "score DIR"),
     "a deep truth": (
