@@ -35,6 +35,9 @@ name = {quoted}
 description = "What it is for, in a line or two."
 # `rvbench list` names the targets; a .toml file is one of your own, see `rvbench inspect --help`.
 target = "maxar1300"
+# a named set of errors that a mission would have, in place of [prior], [calibration], [told] and
+# [drift]: "table5", "realistic" and others (docs/formats.md)
+# errors = ...
 """
 NEED_NOT = """\
 # What a case need not have: whole tables, each to be taken out of its comments.

@@ -89,6 +89,7 @@ def test_others_are_brought_by_their_packages(brought) -> None:
         "chaser_fixed",
         "eye_in_hand",
         "uncooperative",
+        "unknown_target",
         "absolute",
         "silent",
     ]
@@ -119,7 +120,13 @@ def _made_elsewhere():
 
 def test_a_name_of_ours_is_not_taken_over_and_odd_names_are_left(brought) -> None:
     brought(chaser_fixed=f"{__name__}:SILENT", Silent=f"{__name__}:SILENT", a__b="x:y")
-    assert pipeline_names() == ["chaser_fixed", "eye_in_hand", "uncooperative", "absolute"]
+    assert pipeline_names() == [
+        "chaser_fixed",
+        "eye_in_hand",
+        "uncooperative",
+        "unknown_target",
+        "absolute",
+    ]
     assert registered_pipeline("chaser_fixed").make is not make_silent
 
 
@@ -127,7 +134,7 @@ def test_an_unknown_name_is_told_with_the_nearest(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
     with pytest.raises(
         ScenarioError,
-        match="uncooperative, absolute, silent, got 'silnet'; perhaps you meant silent",
+        match="unknown_target, absolute, silent, got 'silnet'; perhaps you meant silent",
     ):
         registered_pipeline("silnet")
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from bench.report.explorer.glb import Surface, glb_bytes
 from models.arrays import Floats
 from models.atomic_file import write_bytes
+from models.plain_console import plain_console
 from models.spacecraft.catalogue import TARGETS, spacecraft_by_name
 from models.spacecraft.own.simplify import simplified
 from models.spacecraft.own.welded import welded
@@ -56,7 +56,7 @@ def main() -> None:
     for name in TARGETS:
         path = FOLDER / f"{name}.glb"
         write_bytes(path, display_mesh(spacecraft_by_name(name)))
-        Console().print(f"wrote {path.name}, {path.stat().st_size} bytes")
+        plain_console().print(f"wrote {path.name}, {path.stat().st_size} bytes")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import functools
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -297,7 +298,8 @@ def _reverse(path) -> None:
 
 def _other_markers(folder) -> None:
     path = folder / "truth" / "markers.toml"
-    path.write_text(path.read_text().rsplit("[[marker]]", 1)[0])
+    one = r"(?s)\[\[marker\]\].*?(?=\[\[marker\]\])"
+    path.write_text(re.sub(one, "", path.read_text(), count=1))
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"format": "rvbench-score", "version": 99}'])
