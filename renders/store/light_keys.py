@@ -17,7 +17,7 @@ from renders.world.noise_limits import noise_limits
 from renders.world.sun_paths import sun_paths
 from renders.world.world import World
 
-PHYSICS_VERSION = 9  # raise it when the same scenario gives other light
+PHYSICS_VERSION = 10  # raise it when the same scenario gives other light
 
 
 def spacecraft_hash(spacecraft: Spacecraft) -> str:

@@ -22,6 +22,7 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.adaptive import trace_to_noise
+from renders.tracing.cube_rims import near_rims
 from renders.tracing.detail_passes import add_detail
 from renders.tracing.emitter_by_emitter import render_group
 from renders.tracing.group_integrator import Walk, trace_groups
@@ -109,10 +110,11 @@ def marker_windows(
 def marker_pixels(
     markers: MarkerPattern, camera: Camera, cam_from_target: RigidTransform, windows: list[Window]
 ) -> tuple[AnyArray, AnyArray]:
-    """Return the pixels of the windows, and those of them that a disc's outline may cut.
+    """Return the pixels of the windows, and those of them that an outline may cut.
 
     Only the latter need many samples: what a sample there meets is all or nothing. A pixel's ray
-    is met with each disc's plane, and its distance from the outline counted in pixels.
+    is met with each disc's plane, and its distance from the disc's outline counted in pixels; from
+    those on a corner cube's face, ``renders.tracing.cube_rims``, too.
 
     Parameters
     ----------
@@ -132,16 +134,29 @@ def marker_pixels(
     rays = camera.rays(pixels)
     cut = np.zeros(len(near), dtype=bool)
     normals_in_cam = cam_from_target.rotate(markers.normals_in_target)
-    for centre, normal in zip(
-        cam_from_target @ markers.points_in_target, normals_in_cam, strict=True
+    for centre, normal, normal_in_target in zip(
+        cam_from_target @ markers.points_in_target,
+        normals_in_cam,
+        markers.normals_in_target,
+        strict=True,
     ):
         if centre[2] <= markers.radius_m:
             continue
         facing = rays @ normal
         reach = np.where(facing < -1e-3, (centre @ normal) / np.minimum(facing, -1e-3), FAR_M)
-        off_centre = np.linalg.norm(rays * reach[:, None] - centre, axis=1)
+        off_centre = rays * reach[:, None] - centre
         pixel_m = centre[2] / camera.fx / max(-normal @ centre / np.linalg.norm(centre), 0.1)
-        cut |= np.abs(off_centre - markers.radius_m) < EDGE_PX * pixel_m
+        aside_m = np.linalg.norm(off_centre, axis=1)
+        cut |= np.abs(aside_m - markers.radius_m) < EDGE_PX * pixel_m
+        if not markers.paint:
+            here = np.flatnonzero(aside_m < markers.radius_m)
+            cut[here] |= near_rims(
+                off_centre[here] @ cam_from_target.rotation / markers.radius_m,
+                -(centre / np.linalg.norm(centre)) @ cam_from_target.rotation,
+                normal_in_target,
+                pixel_m / markers.radius_m,
+                EDGE_PX,
+            )
     return near, near[cut]
 
 

@@ -22,9 +22,7 @@ from renders.world.build import world_of
 from renders.world.world import World
 from tests.support.small_scenes import needs_jit
 
-# Of the detector's noise, rms over a window. Near, a cube's rim and dark lines fade within a
-# quarter of a pixel, and the samples of a pixel that they cross differ: 0.38 and 0.49 measured.
-ALLOWED = {"far": 0.3, "near": 0.55}
+ALLOWED = 0.3  # of the detector's noise, rms over a window
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -94,15 +92,12 @@ def window_charge(
 
 
 @pytest.mark.parametrize(
-    ("time_s", "names", "allowed"),
-    [
-        (0.0, ("1", "2", "3", "4", "5", "6", "7", "8", "9", "10"), ALLOWED["far"]),
-        (320.0, ("8", "10"), ALLOWED["near"]),
-    ],
+    ("time_s", "names"),
+    [(0.0, ("1", "2", "3", "4", "5", "6", "7", "8", "9", "10")), (320.0, ("8", "10"))],
     ids=["far", "near"],
 )
-def test_monte_carlo_noise_is_well_below_the_detectors(
-    world: World, geometry: Any, scene: Any, time_s: float, names: tuple[str, ...], allowed: float
+def test_monte_carlo_noise_is_below_a_third_of_the_detectors(
+    world: World, geometry: Any, scene: Any, time_s: float, names: tuple[str, ...]
 ) -> None:
     """Two seeds differ by sqrt(2) times the noise of one; each window is judged on its own.
 
@@ -126,4 +121,4 @@ def test_monte_carlo_noise_is_well_below_the_detectors(
         window = np.s_[top : top + height, left : left + width]
         assert first[window].max() > 0.2 * world.scenario.detector.full_well_e  # it is lit
         ratio = np.sqrt((rendered[window] ** 2).mean() / (own[window] ** 2).mean())
-        assert 0.0 < ratio < allowed
+        assert 0.0 < ratio < ALLOWED
