@@ -55,7 +55,7 @@ from renders.world.exposure_plan import (
     Planned,
     TypedSchedule,
 )
-from renders.world.moving_sun import with_its_sun
+from renders.world.moving_sun import inertial_sun, with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
 from renders.world.range_readings import RangeReadings
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
@@ -169,13 +169,13 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
     bodies, sensor = _bodies(scenario), single_camera(scenario)
     told, known = table.onboard, table.onboard.knows_target is not False
     wireframe = wireframe_of(scenario) if known else wireframe_if_any(scenario)
-    share = scenario.pixel_scale**2
+    share, sky = scenario.pixel_scale**2, _sky(scenario, TurningWithOrbit(motion))
     return World(
         scenario=scenario,
         chain=TUMBLES if known else UNKNOWN,
         bodies=bodies,
         trajectory=motion,
-        sky=_sky(scenario, TurningWithOrbit(motion)),
+        sky=sky,
         sensor=sensor,
         plan=_plan(scenario, FillOfMarkers(scenario, motion, bodies.optics), share),
         before_flight=BeforeFlight(
@@ -192,6 +192,8 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
                 inertia_kg_m2=(
                     np.array(table.inertia_kg_m2) if known and told.knows_inertia else None
                 ),
+                sun_dir_in_inertial=inertial_sun(scenario, sky.sun, scenario.motion.start_s),
+                sun_sigma_deg=told.sun_sigma_deg,
             ),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,

@@ -1,0 +1,338 @@
+"""Poses that an image allows under a Sun that is known, the likeliest first.
+
+Views are told apart by what shines in them; the likeliest are laid on the image's edges, and so are
+their twins, half a turn about each axis of the target away; each is held against the image's light
+and against the edges at which a step in brightness is due. Nothing is decided here: rivals go on
+into the next image (``pipelines.acquisition.rivals``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from models.arrays import AnyArray, Floats, Image, Indices
+from models.camera import Camera
+from models.pose import RigidTransform
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.from_image import reduced
+from pipelines.acquisition.light_likelihood import (
+    ImageLight,
+    brightness,
+    explained,
+    image_light,
+    told_grid,
+)
+from pipelines.acquisition.sunlit_views import (
+    SunlitViews,
+    search_sunlit_views,
+    seen_views,
+    sunlit_views,
+)
+from pipelines.acquisition.surface_cloud import surface_cloud
+from pipelines.detection.edge_map import find_edges
+from pipelines.detection.target_region import TargetRegion, find_target
+from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, search_steps
+from pipelines.tracking.model_edges import ModelEdges
+from pipelines.tracking.pose_check import PoseCheck, check_pose
+
+RANGE_RADII = 6.0  # from which views are made: beyond it perspective changes little
+PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
+LEVELS = np.array([0.0, 0.02, 0.3, 1.0])  # of brightness, by what a pose says
+DUE_STEP = 0.2  # of these, across an edge at which an image must show a step
+STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
+NEAR_PX = 1.8  # an edge this near to its step is found
+FEWEST_DUE = 12  # samples of edges: fewer tell nothing
+MARGIN_SHARE, MARGIN_PX = 0.8, 24  # of the lit part's size, that is kept round it
+TEMPLATE_WORK, SEARCH_WORK, LIGHT_WORK, FIT_WORK = 14.0, 4.0, 0.15, 1.0  # in fits
+
+
+@dataclass(frozen=True)
+class UnderSunOptions:
+    """How thoroughly to look.
+
+    Attributes
+    ----------
+    fine_width : int, px
+        Images wider than this are reduced.
+    directions : int
+        From how many the target is seen, before the first image.
+    views : int
+        How many of the likeliest are held against the light,
+    laid : int
+        how many of these are laid on the edges,
+    twinned : int
+        and of how many of these the twins are tried.
+    finalists : int
+        How many poses are kept of an image.
+    apart_deg, apart_share : float
+        Poses further apart than this, or than this share of the range, are different.
+    least_radius_px : float, px
+        A target that seems smaller is not looked for.
+    """
+
+    fine_width: int = 1024
+    directions: int = 500
+    views: int = 40
+    laid: int = 12
+    twinned: int = 2
+    finalists: int = 6
+    apart_deg: float = 8.0
+    apart_share: float = 0.05
+    least_radius_px: float = 12.0
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A pose laid on an image, and how it fits.
+
+    Attributes
+    ----------
+    fit : EdgeFit
+    check : PoseCheck
+    light : float
+        Share of the image's light that it explains; see ``light_likelihood``.
+    steps : float
+        Share found of the steps in brightness that are due.
+    """
+
+    fit: EdgeFit
+    check: PoseCheck
+    light: float
+    steps: float
+
+    @property
+    def pose(self) -> RigidTransform:
+        """``cam_from_target``."""
+        return self.fit.cam_from_target
+
+    @property
+    def score(self) -> float:
+        """All in one number; a perfect fit has about 1.5."""
+        return self.light + 0.5 * self.steps + 0.25 * self.check.score
+
+
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """What an image allows.
+
+    Attributes
+    ----------
+    image : EdgeImage
+        Cut out and with its edges.
+    light : ImageLight or None
+    candidates : tuple of Candidate
+        Different poses, the likeliest first.
+    reason : str
+        Why there is none; empty where there is one.
+    work : float
+        That it took, in fits.
+    """
+
+    image: EdgeImage
+    light: ImageLight | None
+    candidates: tuple[Candidate, ...]
+    reason: str
+    work: float
+
+
+class UnderSun:
+    """Looks for one target; its views are made at the first image and kept.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+    camera : Camera
+    detector : Detector or None
+    options : UnderSunOptions
+    """
+
+    def __init__(
+        self,
+        wireframe: Wireframe,
+        camera: Camera,
+        detector: Detector | None,
+        options: UnderSunOptions,
+    ) -> None:
+        self._wireframe, self._camera, self._detector = wireframe, camera, detector
+        self._options = options
+        self._cloud = surface_cloud(wireframe)
+        self._edges = ModelEdges(wireframe)
+        self._lit: SunlitViews | None = None
+        axes = [np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))]
+        self._half_turns = [turn for turn in axes if not self._is_symmetry(turn)]
+
+    def look(
+        self, image: Image, sun_in_cam: Floats, expected: tuple[RigidTransform, ...] = ()
+    ) -> Looked:
+        """Return the poses that an image allows.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        sun_in_cam : (3,) array
+            Unit vector towards the Sun.
+        expected : tuple of RigidTransform
+            Poses to be tried beside those of the search.
+        """
+        options = self._options
+        cut = cut_out(image, self._camera, self._detector, options.fine_width)
+        if not cut.target:
+            return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
+        seen = seen_views(self._wireframe, RANGE_RADII, options.directions)
+        phase, work = _phase_rad(cut, sun_in_cam), SEARCH_WORK
+        if self._lit is None or abs(self._lit.phase_rad - phase) > np.deg2rad(PHASE_STEP_DEG):
+            self._lit, work = sunlit_views(seen, phase), work + TEMPLATE_WORK
+        shine = np.sqrt(np.minimum(brightness(cut.target), 1.0)).astype(np.float32)
+        views = search_sunlit_views(
+            shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, options.views
+        )
+        starts = [view.cam_from_target for view in views] + list(expected)
+        if not starts:
+            return Looked(cut, None, (), "no view of the target shines like the image", work)
+        radius_px = float(np.median([self._radius_px(cut, start) for start in starts[:10]]))
+        if radius_px < options.least_radius_px:
+            reason = f"the target is too small: its radius seems to be {radius_px:.0f} px"
+            return Looked(cut, None, (), reason, work)
+        light = image_light(cut.target, radius_px)
+        shares = [self._light(cut, light, start, sun_in_cam) for start in starts]
+        work += LIGHT_WORK * len(starts)
+        order = np.argsort(-np.array(shares), kind="stable")[: options.laid]
+        chosen = [starts[each] for each in order] + list(expected)
+        reach = float(np.clip(0.14 * radius_px, 5.0, 16.0))
+        laid = [self._laid(cut, light, start, sun_in_cam, reach) for start in chosen]
+        found = self._different([one for one in laid if one is not None])
+        twins = [
+            RigidTransform(one.pose.rotation @ turn, one.pose.translation)
+            for one in found[: options.twinned]
+            for turn in self._half_turns
+        ]
+        laid = [self._laid(cut, light, twin, sun_in_cam, reach) for twin in twins]
+        work += FIT_WORK * (len(chosen) + len(twins))
+        found = self._different([*found, *(one for one in laid if one is not None)])
+        reason = "" if found else "no view of the target can be laid on the image's edges"
+        return Looked(cut, light, tuple(found[: options.finalists]), reason, work)
+
+    def same(self, pose: RigidTransform, other: RigidTransform) -> bool:
+        """Tell whether two poses are near each other, a symmetry of the target aside."""
+        away = float(np.linalg.norm(pose.translation - other.translation))
+        if away > self._options.apart_share * other.translation[2]:
+            return False
+        least = 1.0 + 2.0 * np.cos(np.deg2rad(self._options.apart_deg))
+        turns = (np.eye(3), *self._wireframe.symmetries)
+        return any(
+            float(np.trace(pose.rotation @ turn @ other.rotation.T)) > least for turn in turns
+        )
+
+    def _laid(
+        self,
+        cut: EdgeImage,
+        light: ImageLight,
+        start: RigidTransform,
+        sun_in_cam: Floats,
+        reach_px: float,
+    ) -> Candidate | None:
+        reaches = (reach_px, max(0.5 * reach_px, 4.0), 4.0)
+        fit = fit_edges(cut, self._edges, start, reaches)
+        if fit is None:
+            return None
+        pose = fit.cam_from_target
+        said, corner = told_grid(light, self._cloud, cut.camera, pose, sun_in_cam)
+        return Candidate(
+            fit=fit,
+            check=check_pose(cut, self._edges, pose),
+            light=explained(light, said, corner),
+            steps=self._steps(cut, light, pose, said, corner),
+        )
+
+    def _light(
+        self, cut: EdgeImage, light: ImageLight, pose: RigidTransform, sun_in_cam: Floats
+    ) -> float:
+        said, corner = told_grid(light, self._cloud, cut.camera, pose, sun_in_cam)
+        return explained(light, said, corner)
+
+    def _steps(
+        self,
+        cut: EdgeImage,
+        light: ImageLight,
+        pose: RigidTransform,
+        said: AnyArray,
+        corner: Indices,
+    ) -> float:
+        """Return the share found of the edges at which a pose has a step in brightness."""
+        samples = self._edges.shown(cut.camera, pose)
+        if len(samples) < FEWEST_DUE:
+            return 0.0
+        level = LEVELS[said]
+
+        def beside(way: float) -> Floats:
+            places = samples.points_px + way * STEP_CELLS * light.cell_px * samples.normals_px
+            cell = np.floor((places - light.corner_px) / light.cell_px).astype(int) - corner
+            inside = (cell >= 0).all(axis=1) & (cell < np.array(level.shape[::-1])).all(axis=1)
+            column, row = np.where(inside[:, None], cell, 0).T
+            return np.where(inside, level[row, column], 0.0)
+
+        due = samples.subset(np.abs(beside(1.0) - beside(-1.0)) > DUE_STEP)
+        if len(due) < FEWEST_DUE:
+            return 0.0
+        return float(search_steps(cut, due, NEAR_PX).found.mean())
+
+    def _different(self, found: list[Candidate]) -> list[Candidate]:
+        kept: list[Candidate] = []
+        for one in sorted(found, key=lambda each: -each.score):
+            if not any(self.same(one.pose, other.pose) for other in kept):
+                kept.append(one)
+        return kept
+
+    def _radius_px(self, cut: EdgeImage, pose: RigidTransform) -> float:
+        return float(cut.camera.fx * self._wireframe.radius_m / pose.translation[2])
+
+    def _is_symmetry(self, turn: Floats) -> bool:
+        return any(np.trace(turn @ own.T) > 2.99 for own in self._wireframe.symmetries)
+
+
+def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int) -> EdgeImage:
+    """Find the target in an image, reduced to ``width``, and its edges in the part round it.
+
+    Parameters
+    ----------
+    image : (height, width) array, DN
+    camera : Camera
+    detector : Detector or None
+        As calibrated.
+    width : int, px
+
+    Returns
+    -------
+    EdgeImage
+        Of the part, with its own camera; of the whole where there is no target.
+    """
+    pixels, small = reduced(image, camera, width)
+    target = find_target(pixels, detector)
+    if not target:
+        return EdgeImage(target, find_edges(target, detector), small)
+    row, column = np.nonzero(target.lit)
+    margin = int(MARGIN_SHARE * max(np.ptp(row), np.ptp(column))) + MARGIN_PX
+    top, left = max(0, int(row.min()) - margin), max(0, int(column.min()) - margin)
+    rows = slice(top, int(row.max()) + margin + 1)
+    columns = slice(left, int(column.max()) + margin + 1)
+    part = TargetRegion(
+        np.ascontiguousarray(target.signal[rows, columns]),
+        np.ascontiguousarray(target.stretched[rows, columns]),
+        np.ascontiguousarray(target.lit[rows, columns]),
+        target.sky_sigma_dn,
+        target.knee_dn,
+        target.saturated,
+    )
+    height, width = part.signal.shape
+    own = replace(small, width=width, height=height, cx=small.cx - left, cy=small.cy - top)
+    return EdgeImage(part, find_edges(part, detector), own)
+
+
+def _phase_rad(cut: EdgeImage, sun_in_cam: Floats) -> float:
+    """Return the angle between the Sun and the camera as the target sees them."""
+    row, column = np.nonzero(cut.target.lit)
+    ray = cut.camera.rays(np.array([[column.mean(), row.mean()]]))[0]
+    return float(np.arccos(np.clip(-ray @ sun_in_cam, -1.0, 1.0)))
