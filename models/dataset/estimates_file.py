@@ -5,13 +5,15 @@ The first line says ``{"format": "rvbench-estimates", "version": 2}``. The other
 
     {"frame": 3, "time_s": 0.6, "mode": "tracked",
      "pose": {"R_cam_from_target": [[...]], "t_cam_from_target_m": [...],
-              "covariance_rad_m": [[...]], "residual_rms_px": 0.02, "wrong_probability": 0.001},
+              "covariance_rad_m": [[...]], "residual_rms_px": 0.02,
+              "wrong_probability": 0.001},
      "detections": {"points_px": [[...]], "sigma_px": [[...]], "marker": [...], "used": [...]},
      "states": {"relative_translation": {"values": {"rho_in_lvlh_m": [...]},
                                          "covariance": [[...]]}}}
 
 Where there is no pose, ``reason`` says why. Covariance, residual, the probability that the pose is
-another than the true one, detections and states may be left out. The same estimates give the same bytes: nothing that changes from run to run is in the file.
+another than the true one, detections and states may be left out. The same estimates give the same
+bytes: nothing that changes from run to run is in the file.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from models.arrays import AnyArray, Floats, Indices
+from models.arrays import AnyArray, Floats, Indices, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
 from pipelines.acquisition.surface_cloud import SurfaceCloud, nearest_in_cells, sunlight
@@ -22,6 +22,8 @@ from pipelines.detection.target_region import TargetRegion
 
 OUTSIDE, SHADE, GRAZED, LIT = range(4)  # of what a pose says
 DARK, FAINT, HALF, BRIGHT = range(4)  # of what an image shows
+MOST_LEVEL = 2.0  # a mirror's glint says no more than that
+FEWEST_CELLS = 12  # of which a correlation says anything
 GRAZING = 0.25  # cosine at which the Sun meets a face: less is grazed
 REFERENCE_PERCENTILE = 80.0  # of the lit pixels: what is called bright is measured in it
 FAINT_BELOW, BRIGHT_ABOVE = 0.03, 0.2
@@ -46,6 +48,8 @@ class ImageLight:
     ----------
     shown : (rows, columns) array of int
         DARK to BRIGHT.
+    level : (rows, columns) float32 array
+        Square root of the brightness, 1 for what is called bright.
     cell_px : float, px
     corner_px : (2,) array, px
         Of the first cell's outer corner.
@@ -56,6 +60,7 @@ class ImageLight:
     """
 
     shown: AnyArray
+    level: Radiance
     cell_px: float
     corner_px: Floats
     most: float
@@ -108,16 +113,42 @@ def image_light(target: TargetRegion, radius_px: float) -> ImageLight:
     shown = np.where(lit < 0.4, DARK, shown)
     best = gains().max(axis=0)
     lighted = shown[shown > DARK]
-    return ImageLight(shown, cell_px, low - 0.5, float(best[lighted].sum()), len(lighted))
+    return ImageLight(
+        shown,
+        np.sqrt(np.minimum(level, MOST_LEVEL)),
+        cell_px,
+        low - 0.5,
+        float(best[lighted].sum()),
+        len(lighted),
+    )
 
 
-def told_grid(
+@dataclass(frozen=True, eq=False)
+class ToldLight:
+    """What a pose says, cell by cell.
+
+    Attributes
+    ----------
+    said : (rows, columns) array of int
+        OUTSIDE to LIT.
+    cosine : (rows, columns) array
+        At which the Sun meets what is seen there, 0 where it does not.
+    corner : (2,) array of int
+        Column and row of its first cell among the image's.
+    """
+
+    said: AnyArray
+    cosine: Floats
+    corner: Indices
+
+
+def told_light(
     image: ImageLight,
     cloud: SurfaceCloud,
     camera: Camera,
     pose: RigidTransform,
     sun_in_cam: Floats,
-) -> tuple[AnyArray, Indices]:
+) -> ToldLight:
     """Return what a pose says, cell by cell.
 
     Parameters
@@ -130,13 +161,6 @@ def told_grid(
         ``cam_from_target``.
     sun_in_cam : (3,) array
         Unit vector towards the Sun.
-
-    Returns
-    -------
-    said : (rows, columns) array of int
-        OUTSIDE to LIT.
-    corner : (2,) array of int
-        Column and row of its first cell among the image's.
     """
     in_cam = cloud.points @ pose.rotation.T + pose.translation
     depth = np.maximum(in_cam[:, 2], 1e-3)
@@ -157,39 +181,53 @@ def told_grid(
     square = np.ones((3, 3), dtype=np.uint8)
     closed = cv2.morphologyEx((grid > OUTSIDE).astype(np.uint8), cv2.MORPH_CLOSE, square)
     holes = (grid == OUTSIDE) & (closed > 0)
-    return np.where(holes, cv2.dilate(grid, square), grid), corner
+    bright = np.zeros(width * height)
+    bright[there] = np.maximum(cosine, 0.0)
+    said = np.where(holes, cv2.dilate(grid, square), grid)
+    return ToldLight(said, bright.reshape(height, width), corner)
 
 
-def explained(image: ImageLight, said: AnyArray, corner: Indices) -> float:
+def shading(image: ImageLight, told: ToldLight) -> float:
+    """Return the correlation of the brightness shown with the cosine told, over what is covered.
+
+    Materials differ, so that it is far below 1 at a right pose; a wrong one has it lower still.
+
+    Parameters
+    ----------
+    image : ImageLight
+    told : ToldLight
+    """
+    covered = told.said > OUTSIDE
+    shown = _under(image.level, told, 0.0)[covered]
+    cosine = told.cosine[covered]
+    if covered.sum() < FEWEST_CELLS or shown.std() < 1e-6 or cosine.std() < 1e-6:
+        return 0.0
+    return float(np.corrcoef(shown, cosine)[0, 1])
+
+
+def explained(image: ImageLight, told: ToldLight) -> float:
     """Return how well a pose explains an image's light: 1 at the very best, 0 as an empty sky does.
 
     Parameters
     ----------
     image : ImageLight
-    said, corner : arrays
-        See ``told_grid``.
+    told : ToldLight
     """
-    shown = shown_under(image, said, corner)
-    covered = said > OUTSIDE
-    return float(gains()[said[covered], shown[covered]].sum() / max(image.most, 1e-6))
+    covered = told.said > OUTSIDE
+    shown = _under(image.shown, told, DARK)[covered]
+    return float(gains()[told.said[covered], shown].sum() / max(image.most, 1e-6))
 
 
-def shown_under(image: ImageLight, said: AnyArray, corner: Indices) -> AnyArray:
-    """Return what an image shows in the cells of a grid, dark beyond its own, as ``said``.
-
-    Parameters
-    ----------
-    image : ImageLight
-    said, corner : arrays
-        See ``told_grid``.
-    """
-    height, width = said.shape
-    shown = np.full((height, width), DARK, dtype=np.int64)
-    rows, columns = image.shown.shape
-    left, top = max(0, int(corner[0])), max(0, int(corner[1]))
-    right, bottom = min(columns, int(corner[0]) + width), min(rows, int(corner[1]) + height)
+def _under(cells: AnyArray, told: ToldLight, beyond: float) -> AnyArray:
+    """Return an image's cells under the grid of a pose, and ``beyond`` where it has none."""
+    height, width = told.said.shape
+    corner_column, corner_row = told.corner.tolist()
+    found = np.full((height, width), beyond, dtype=cells.dtype)
+    rows, columns = cells.shape
+    left, top = max(0, corner_column), max(0, corner_row)
+    right, bottom = min(columns, corner_column + width), min(rows, corner_row + height)
     if right > left and bottom > top:
-        shown[top - corner[1] : bottom - corner[1], left - corner[0] : right - corner[0]] = (
-            image.shown[top:bottom, left:right]
-        )
-    return shown
+        found[
+            top - corner_row : bottom - corner_row, left - corner_column : right - corner_column
+        ] = cells[top:bottom, left:right]
+    return found

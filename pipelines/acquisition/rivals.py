@@ -238,4 +238,3 @@ class Rivals:
 def _turn_deg(one: RigidTransform, other: RigidTransform) -> float:
     cosine = 0.5 * (float(np.trace(one.rotation.T @ other.rotation)) - 1.0)
     return float(np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0))))
-

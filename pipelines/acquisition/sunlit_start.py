@@ -107,13 +107,12 @@ class SunlitStart:
 def _doubt(verdict: Verdict) -> str:
     best = verdict.best
     told = (
-        f"the best pose is wrong with a probability of {verdict.wrong_probability:.2g}: it explains "
-        f"{100.0 * best.light:.0f} % of the light and {100.0 * best.steps:.0f} % of the edges due"
+        f"the best pose may be wrong, with a probability of {verdict.wrong_probability:.2g}: it "
+        f"explains {100.0 * best.light:.0f} % of the light and {100.0 * best.steps:.0f} % of the "
+        "edges due"
     )
     if verdict.next_best is None:
         return told
     turn = Rotation.from_matrix(best.pose.rotation.T @ verdict.next_best.rotation)
-    return (
-        f"{told}, and leads by {verdict.margin:.3f} over one {np.rad2deg(turn.magnitude()):.0f} deg "
-        "away"
-    )
+    away_deg = np.rad2deg(turn.magnitude())
+    return f"{told}, and leads by {verdict.margin:.3f} over one {away_deg:.0f} deg away"

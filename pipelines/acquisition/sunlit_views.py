@@ -295,5 +295,3 @@ def _turn_to(ray: Floats) -> Floats:
     sine = float(np.linalg.norm(aside))
     turn = np.zeros(3) if sine < 1e-12 else aside / sine * np.arcsin(min(sine, 1.0))
     return np.asarray(Rotation.from_rotvec(turn).as_matrix())
-
-

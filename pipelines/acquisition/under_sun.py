@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arrays import AnyArray, Floats, Image, Indices
+from models.arrays import Floats, Image
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
@@ -20,10 +20,12 @@ from models.wireframe.wireframe import Wireframe
 from pipelines.acquisition.from_image import reduced
 from pipelines.acquisition.light_likelihood import (
     ImageLight,
+    ToldLight,
     brightness,
     explained,
     image_light,
-    told_grid,
+    shading,
+    told_light,
 )
 from pipelines.acquisition.sunlit_views import (
     SunlitViews,
@@ -96,12 +98,15 @@ class Candidate:
         Share of the image's light that it explains; see ``light_likelihood``.
     steps : float
         Share found of the steps in brightness that are due.
+    shading : float
+        Correlation of its brightness with the Sun's cosine.
     """
 
     fit: EdgeFit
     check: PoseCheck
     light: float
     steps: float
+    shading: float
 
     @property
     def pose(self) -> RigidTransform:
@@ -111,7 +116,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """All in one number; a perfect fit has about 1.5."""
-        return self.light + 0.5 * self.steps + 0.25 * self.check.score
+        return self.light + 0.5 * self.steps + 0.25 * self.check.score + 0.2 * self.shading
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +166,9 @@ class UnderSun:
         self._cloud = surface_cloud(wireframe)
         self._edges = ModelEdges(wireframe)
         self._lit: SunlitViews | None = None
-        axes = [np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))]
+        axes = [
+            np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
+        ]
         self._half_turns = [turn for turn in axes if not self._is_symmetry(turn)]
 
     def look(
@@ -239,33 +246,32 @@ class UnderSun:
         if fit is None:
             return None
         pose = fit.cam_from_target
-        said, corner = told_grid(light, self._cloud, cut.camera, pose, sun_in_cam)
+        told = told_light(light, self._cloud, cut.camera, pose, sun_in_cam)
         return Candidate(
             fit=fit,
             check=check_pose(cut, self._edges, pose),
-            light=explained(light, said, corner),
-            steps=self._steps(cut, light, pose, said, corner),
+            light=explained(light, told),
+            steps=self._steps(cut, light, pose, told),
+            shading=shading(light, told),
         )
 
     def _light(
         self, cut: EdgeImage, light: ImageLight, pose: RigidTransform, sun_in_cam: Floats
     ) -> float:
-        said, corner = told_grid(light, self._cloud, cut.camera, pose, sun_in_cam)
-        return explained(light, said, corner)
+        return explained(light, told_light(light, self._cloud, cut.camera, pose, sun_in_cam))
 
     def _steps(
         self,
         cut: EdgeImage,
         light: ImageLight,
         pose: RigidTransform,
-        said: AnyArray,
-        corner: Indices,
+        told: ToldLight,
     ) -> float:
         """Return the share found of the edges at which a pose has a step in brightness."""
         samples = self._edges.shown(cut.camera, pose)
         if len(samples) < FEWEST_DUE:
             return 0.0
-        level = LEVELS[said]
+        level, corner = LEVELS[told.said], told.corner
 
         def beside(way: float) -> Floats:
             places = samples.points_px + way * STEP_CELLS * light.cell_px * samples.normals_px

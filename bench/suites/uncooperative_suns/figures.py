@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -105,10 +106,7 @@ def _scatter(panel: Axes, starts: Starts, x: Floats, y: Floats) -> None:
 
 
 def _bars(panel: Axes, edges: Sequence[float], counted: Sequence[Counts], factor: float) -> None:
-    names = [
-        f"{factor * low:g}-{factor * high:g}"
-        for low, high in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    names = [f"{factor * low:g}-{factor * high:g}" for low, high in pairwise(edges)]
     base = np.zeros(len(counted))
     for (name, colour, _, _), own in zip(
         MARKS,

@@ -85,4 +85,3 @@ def _picture(plan: Plan, target: str, starts: Starts, start: int) -> Picture:
         verdict=words,
         lost=not bool(starts.right[start]),
     )
-

@@ -14,15 +14,16 @@ from scipy.spatial.transform import Rotation
 
 from bench.suites.uncooperative_suns.cases import SUNS, DrawnMotion, MotionTask, draw_motion
 from bench.suites.units import Outcome
-from models.arrays import Floats, Image
+from models.arrays import Image
 from models.camera import Camera
 from models.motion.pose_table import EARTH, SUN, pose_columns
+from models.onboard import needed
 from models.sensors.auto_exposure import AutoExposure
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
 from renders.batches.studio import Studio, start_renderer
 from renders.detector.compose import compose
-from renders.scenario.own_target import with_own_target_read, wireframe_of
+from renders.scenario.own_target import wireframe_of, with_own_target_read
 from renders.scenario.scenario import Scenario, check_scenario
 from renders.store.kept_light import LightKeeping
 from renders.store.light_keys import LightKeys
@@ -55,8 +56,9 @@ def known_of(task: MotionTask) -> tuple[Camera, Detector, Wireframe]:
     """Return what is known before flight of a task's camera and target."""
     scenario = scenario_of(task)
     onboard = world_of(scenario).onboard(0)
-    assert onboard.camera is not None and onboard.detector is not None
-    return onboard.camera, onboard.detector, wireframe_of(scenario)
+    camera = needed(onboard.camera, "camera.toml", "the suite")
+    detector = needed(onboard.detector, "detector.toml", "the suite")
+    return camera, detector, wireframe_of(scenario)
 
 
 def drawn(task: MotionTask) -> DrawnMotion:
@@ -134,10 +136,9 @@ def _rows(motion: DrawnMotion) -> list[str]:
         for number, sun in enumerate(motion.suns_in_inertial):
             wxyz = Rotation.from_matrix(pose.rotation).as_quat(scalar_first=True)
             seen = earth if motion.earth_shines[number] else np.zeros(3)
-            cells: list[Floats | list[float]] = [
-                [time_s + APART_S * number], pose.translation, wxyz, target_from_inertial @ sun, seen
-            ]  # fmt: skip
-            rows.append(",".join(repr(float(x)) for x in np.concatenate(cells)))
+            head = [[time_s + APART_S * number], pose.translation, wxyz]
+            cells = np.concatenate([*head, target_from_inertial @ sun, seen])
+            rows.append(",".join(repr(float(x)) for x in cells))
     return rows
 
 

@@ -67,7 +67,9 @@ def write_suite_page(
             "of about one probability stand together, the share that was wrong with its 95 % "
             "interval; on the line what was told holds.",
             figures=(
-                Figure(svg_address(reliability_figure(leading)), "Share wrong against what was told"),
+                Figure(
+                    svg_address(reliability_figure(leading)), "Share wrong against what was told"
+                ),
             ),
             tables=(TitledTable("Claims", _claims(leading)),),
         )

@@ -133,9 +133,7 @@ class Plan:
     def _shapes(self) -> dict[str, str]:
         """By target: the hash of what is one's own; empty for ours."""
         return {
-            target: _shape(self._places[target])
-            if target.lower().endswith(SUFFIX)
-            else ""
+            target: _shape(self._places[target]) if target.lower().endswith(SUFFIX) else ""
             for target in self.targets
         }
 

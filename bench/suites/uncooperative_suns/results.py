@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import beta
@@ -168,9 +169,7 @@ def starts_of(plan: Plan, target: str, variant: str) -> Starts:
     rows: dict[str, list[object]] = {}
     reasons: list[str] = []
     folder = plan.out / "units"
-    for unit, frames in zip(
-        plan.starts(target, variant), plan.frames(target), strict=False
-    ):
+    for unit, frames in zip(plan.starts(target, variant), plan.frames(target), strict=False):
         outcome = done_outcome(folder, unit)
         lit = done_outcome(plan.frames_folder, frames).values["lit"].mean(axis=1)
         for number, row in enumerate(_judged(frames.task, outcome.values)):
@@ -244,7 +243,7 @@ def counts(starts: Starts, chosen: Mask) -> Counts:
 def claims_of(starts: Starts) -> list[Claim]:
     """Hold the probabilities told against what was wrong, by bins that hold any."""
     found = []
-    for least, most in zip(DOUBT_EDGES[:-1], DOUBT_EDGES[1:], strict=True):
+    for least, most in pairwise(DOUBT_EDGES):
         with np.errstate(invalid="ignore"):
             own = starts.claimed & (starts.doubt >= least) & (starts.doubt < most)
         claims, wrong = int(own.sum()), int((own & starts.wrong).sum())
@@ -287,5 +286,3 @@ def _binned(starts: Starts, values: Floats, edges: Sequence[float]) -> list[Coun
 
 def _median(values: Floats) -> float | None:
     return float(np.median(values)) if values.size else None
-
-

@@ -1,4 +1,4 @@
-"""Poses under a Sun that is known, on images drawn by a peer that shares no code with the search."""
+"""Poses under a Sun that is known, on images drawn by a peer that shares no code with it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform
-from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_grid
+from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_light
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.surface_cloud import surface_cloud
 from pipelines.acquisition.under_sun import Looked, UnderSun, UnderSunOptions, cut_out
@@ -45,9 +45,7 @@ def looking() -> UnderSun:
 @pytest.fixture(scope="module")
 def looked(looking: UnderSun) -> dict[tuple[int, int], Looked]:
     runs = ((1, 0), (1, 1), (2, 0))
-    return {
-        (run, sun): looking.look(frame_of(run, sun), np.array(SUNS[sun])) for run, sun in runs
-    }
+    return {(run, sun): looking.look(frame_of(run, sun), np.array(SUNS[sun])) for run, sun in runs}
 
 
 def test_the_likeliest_pose_is_right(looked: dict[tuple[int, int], Looked]) -> None:
@@ -73,7 +71,7 @@ def test_the_true_pose_explains_more_light_than_its_half_turns(sun: int) -> None
 
     def share(rotation: np.ndarray) -> float:
         tried = RigidTransform(rotation, pose.translation)
-        return explained(light, *told_grid(light, CLOUD, CAMERA, tried, np.array(SUNS[sun])))
+        return explained(light, told_light(light, CLOUD, CAMERA, tried, np.array(SUNS[sun])))
 
     for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)):
         assert share(pose.rotation) > share(pose.rotation @ np.diag(signs)) + 0.05
@@ -83,7 +81,8 @@ def test_light_and_shade_are_told_apart() -> None:
     """Where a pose says lit, the drawing is far brighter than where it says shade."""
     frame = frame_of(1, 1).astype(float) - DETECTOR.bias_dn
     light = image_light(find_target(frame_of(1, 1), DETECTOR), 60.0)
-    said, corner = told_grid(light, CLOUD, CAMERA, pose_of(1), np.array(SUNS[1]))
+    told = told_light(light, CLOUD, CAMERA, pose_of(1), np.array(SUNS[1]))
+    said, corner = told.said, told.corner
     row, column = np.mgrid[0 : said.shape[0], 0 : said.shape[1]]
     x = np.rint((column + corner[0] + 0.5) * light.cell_px + light.corner_px[0]).astype(int)
     y = np.rint((row + corner[1] + 0.5) * light.cell_px + light.corner_px[1]).astype(int)
