@@ -28,6 +28,7 @@ from pipelines.acquisition.light_likelihood import (
     told_light,
 )
 from pipelines.acquisition.sunlit_views import (
+    SeenViews,
     SunlitViews,
     search_sunlit_views,
     seen_views,
@@ -40,7 +41,9 @@ from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, search_st
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.tracking.pose_check import PoseCheck, check_pose
 
-RANGE_RADII = 6.0  # from which views are made: beyond it perspective changes little
+NEAR_RADII, FAR_RADII = 3.5, 6.0  # ranges from which views are made, for their perspective
+NEAR_BEYOND = 0.43  # of the range: what shines is wider across only of a near target
+RANGE_SLACK = 1.25  # beyond the coarse range that is known
 PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
 LEVELS = np.array([0.0, 0.02, 0.3, 1.0])  # of brightness, by what a pose says
 DUE_STEP = 0.2  # of these, across an edge at which an image must show a step
@@ -152,6 +155,8 @@ class UnderSun:
     camera : Camera
     detector : Detector or None
     options : UnderSunOptions
+    range_m : (float, float), optional, m
+        Nearest and farthest, if known.
     """
 
     def __init__(
@@ -160,11 +165,14 @@ class UnderSun:
         camera: Camera,
         detector: Detector | None,
         options: UnderSunOptions,
+        range_m: tuple[float, float] | None = None,
     ) -> None:
         self._wireframe, self._camera, self._detector = wireframe, camera, detector
         self._options = options
         self._cloud = surface_cloud(wireframe)
         self._edges = ModelEdges(wireframe)
+        self._range_m = range_m
+        self._seen: SeenViews | None = None
         self._lit: SunlitViews | None = None
         axes = [
             np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
@@ -188,15 +196,18 @@ class UnderSun:
         cut = cut_out(image, self._camera, self._detector, options.fine_width)
         if not cut.target:
             return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
-        seen = seen_views(self._wireframe, RANGE_RADII, options.directions)
+        seen = seen_views(self._wireframe, _rung(cut), options.directions)
         phase, work = _phase_rad(cut, sun_in_cam), SEARCH_WORK
-        if self._lit is None or abs(self._lit.phase_rad - phase) > np.deg2rad(PHASE_STEP_DEG):
-            self._lit, work = sunlit_views(seen, phase), work + TEMPLATE_WORK
+        off_rad = np.inf if self._lit is None else abs(self._lit.phase_rad - phase)
+        if self._lit is None or off_rad > np.deg2rad(PHASE_STEP_DEG) or self._seen is not seen:
+            self._seen, self._lit = seen, sunlit_views(seen, phase)
+            work += TEMPLATE_WORK
         shine = np.sqrt(np.minimum(brightness(cut.target), 1.0)).astype(np.float32)
         views = search_sunlit_views(
             shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, options.views
         )
         starts = [view.cam_from_target for view in views] + list(expected)
+        starts = [start for start in starts if self._in_range(start)]
         if not starts:
             return Looked(cut, None, (), "no view of the target shines like the image", work)
         radius_px = float(np.median([self._radius_px(cut, start) for start in starts[:10]]))
@@ -243,7 +254,7 @@ class UnderSun:
     ) -> Candidate | None:
         reaches = (reach_px, max(0.5 * reach_px, 4.0), 4.0)
         fit = fit_edges(cut, self._edges, start, reaches)
-        if fit is None:
+        if fit is None or not self._in_range(fit.cam_from_target):
             return None
         pose = fit.cam_from_target
         told = told_light(light, self._cloud, cut.camera, pose, sun_in_cam)
@@ -295,6 +306,12 @@ class UnderSun:
     def _radius_px(self, cut: EdgeImage, pose: RigidTransform) -> float:
         return float(cut.camera.fx * self._wireframe.radius_m / pose.translation[2])
 
+    def _in_range(self, pose: RigidTransform) -> bool:
+        if self._range_m is None:
+            return True
+        nearest, farthest = self._range_m
+        return bool(nearest / RANGE_SLACK < pose.translation[2] < farthest * RANGE_SLACK)
+
     def _is_symmetry(self, turn: Floats) -> bool:
         return any(np.trace(turn @ own.T) > 2.99 for own in self._wireframe.symmetries)
 
@@ -335,6 +352,13 @@ def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int)
     height, width = part.signal.shape
     own = replace(small, width=width, height=height, cx=small.cx - left, cy=small.cy - top)
     return EdgeImage(part, find_edges(part, detector), own)
+
+
+def _rung(cut: EdgeImage) -> float:
+    """Return from how many radii views are made that look like an image."""
+    row, column = np.nonzero(cut.target.lit)
+    extent = max(float(np.ptp(row)), float(np.ptp(column))) / cut.camera.fx
+    return NEAR_RADII if extent > NEAR_BEYOND else FAR_RADII
 
 
 def _phase_rad(cut: EdgeImage, sun_in_cam: Floats) -> float:

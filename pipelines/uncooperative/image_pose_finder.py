@@ -175,7 +175,11 @@ class ImagePoseFinder:
         if self._under_sun is None:
             knowledge = self._knowledge
             self._under_sun = UnderSun(
-                knowledge.target, knowledge.camera, knowledge.detector, UnderSunOptions()
+                knowledge.target,
+                knowledge.camera,
+                knowledge.detector,
+                UnderSunOptions(),
+                knowledge.range_m,
             )
         return SunlitStart(self._under_sun, self._start_options)
 

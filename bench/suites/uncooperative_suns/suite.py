@@ -42,10 +42,23 @@ def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
     ScenarioError, VariantError, StorageError
         Each says what to do; nothing already done is lost.
     """
-    plan = plan_of(request)
+    return run_plan(plan_of(request), request.workers, console)
+
+
+def run_plan(plan: Plan, workers: int, console: Console) -> SuiteFiles:
+    """Do what is missing of a plan and write its results; see ``run_suite``.
+
+    Parameters
+    ----------
+    plan : Plan
+    workers : int
+        Processes.
+    console : Console
+        For progress.
+    """
     frames = [unit for target in plan.targets for unit in plan.frames(target)]
-    do_units(frames, plan.frames_folder, request.workers, console)
-    do_units(plan.units, plan.out / "units", request.workers, console)
+    do_units(frames, plan.frames_folder, workers, console)
+    do_units(plan.units, plan.out / "units", workers, console)
     results = results_of(plan)
     summaries = {
         target: {variant: summary_of(starts) for variant, starts in own.items()}
