@@ -23,6 +23,7 @@ from pipelines.detection.target_region import TargetRegion
 OUTSIDE, SHADE, GRAZED, LIT = range(4)  # of what a pose says
 DARK, FAINT, HALF, BRIGHT = range(4)  # of what an image shows
 MOST_LEVEL = 2.0  # a mirror's glint says no more than that
+LEAST_SAY = 6.0  # as of two cells: fewer tell little
 FEWEST_CELLS = 12  # of which a correlation says anything
 GRAZING = 0.25  # cosine at which the Sun meets a face: less is grazed
 REFERENCE_PERCENTILE = 80.0  # of the lit pixels: what is called bright is measured in it
@@ -216,6 +217,33 @@ def explained(image: ImageLight, told: ToldLight) -> float:
     covered = told.said > OUTSIDE
     shown = _under(image.shown, told, DARK)[covered]
     return float(gains()[told.said[covered], shown].sum() / max(image.most, 1e-6))
+
+
+def preference(image: ImageLight, one: ToldLight, other: ToldLight) -> float:
+    """Return how clearly an image prefers one pose to another where they differ, in sigmas.
+
+    Each cell of which the two say different things has a say, of the size of its own
+    log-likelihood ratio; were each as likely to be for the one as for the other, the sum would be
+    of unit variance. So a few cells decide between twins that are alike everywhere else.
+
+    Parameters
+    ----------
+    image : ImageLight
+    one, other : ToldLight
+        Of two poses in that image.
+    """
+    low = np.minimum(one.corner, other.corner)
+    high = np.maximum(
+        one.corner + one.said.shape[::-1], other.corner + np.array(other.said.shape[::-1])
+    )
+    union = ToldLight(np.zeros((high - low)[::-1], dtype=np.uint8), np.zeros(0), low)
+    shown = _under(image.shown, union, DARK)
+    ratio = np.zeros(shown.shape)
+    for sign, told in ((1.0, one), (-1.0, other)):
+        column, row = (told.corner - low).tolist()
+        part = np.s_[row : row + told.said.shape[0], column : column + told.said.shape[1]]
+        ratio[part] += sign * gains()[told.said, shown[part]]
+    return float(ratio.sum() / np.sqrt((ratio**2).sum() + LEAST_SAY**2))
 
 
 def _under(cells: AnyArray, told: ToldLight, beyond: float) -> AnyArray:

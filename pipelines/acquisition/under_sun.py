@@ -24,6 +24,7 @@ from pipelines.acquisition.light_likelihood import (
     brightness,
     explained,
     image_light,
+    preference,
     shading,
     told_light,
 )
@@ -45,6 +46,7 @@ NEAR_RADII, FAR_RADII = 3.5, 6.0  # ranges from which views are made, for their 
 NEAR_BEYOND = 0.43  # of the range: what shines is wider across only of a near target
 RANGE_SLACK = 1.25  # beyond the coarse range that is known
 PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
+SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light prefers
 LEVELS = np.array([0.0, 0.02, 0.3, 1.0])  # of brightness, by what a pose says
 DUE_STEP = 0.2  # of these, across an edge at which an image must show a step
 STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
@@ -103,6 +105,10 @@ class Candidate:
         Share found of the steps in brightness that are due.
     shading : float
         Correlation of its brightness with the Sun's cosine.
+    told : ToldLight
+        What it says of the light.
+    preferred : float
+        How clearly the light prefers it to the best fit of the image, in sigmas.
     """
 
     fit: EdgeFit
@@ -110,6 +116,8 @@ class Candidate:
     light: float
     steps: float
     shading: float
+    told: ToldLight
+    preferred: float = 0.0
 
     @property
     def pose(self) -> RigidTransform:
@@ -117,9 +125,14 @@ class Candidate:
         return self.fit.cam_from_target
 
     @property
-    def score(self) -> float:
-        """All in one number; a perfect fit has about 1.5."""
+    def fitness(self) -> float:
+        """How it fits by itself, in one number; a perfect fit has about 1.7."""
         return self.light + 0.5 * self.steps + 0.25 * self.check.score + 0.2 * self.shading
+
+    @property
+    def score(self) -> float:
+        """How it fits, and how it stands to the image's best fit, in sigmas."""
+        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,8 +243,14 @@ class UnderSun:
         laid = [self._laid(cut, light, twin, sun_in_cam, reach) for twin in twins]
         work += FIT_WORK * (len(chosen) + len(twins))
         found = self._different([*found, *(one for one in laid if one is not None)])
-        reason = "" if found else "no view of the target can be laid on the image's edges"
-        return Looked(cut, light, tuple(found[: options.finalists]), reason, work)
+        if not found:
+            reason = "no view of the target can be laid on the image's edges"
+            return Looked(cut, light, (), reason, work)
+        finals = found[: options.finalists]
+        told = finals[0].told
+        weighed = [replace(one, preferred=preference(light, one.told, told)) for one in finals]
+        weighed.sort(key=lambda one: -one.score)
+        return Looked(cut, light, tuple(weighed), "", work)
 
     def same(self, pose: RigidTransform, other: RigidTransform) -> bool:
         """Tell whether two poses are near each other, a symmetry of the target aside."""
@@ -264,6 +283,7 @@ class UnderSun:
             light=explained(light, told),
             steps=self._steps(cut, light, pose, told),
             shading=shading(light, told),
+            told=told,
         )
 
     def _light(
@@ -298,7 +318,7 @@ class UnderSun:
 
     def _different(self, found: list[Candidate]) -> list[Candidate]:
         kept: list[Candidate] = []
-        for one in sorted(found, key=lambda each: -each.score):
+        for one in sorted(found, key=lambda each: -each.fitness):
             if not any(self.same(one.pose, other.pose) for other in kept):
                 kept.append(one)
         return kept

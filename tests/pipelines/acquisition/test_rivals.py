@@ -25,7 +25,7 @@ def candidate(turned_deg: float, light: float, twin: bool = False) -> Candidate:
     rotation = Rotation.from_rotvec([0.0, np.deg2rad(turned_deg), 0.0]).as_matrix()
     pose = RigidTransform(rotation @ HALF_TURN if twin else rotation, np.array([0.0, 0.0, 12.0]))
     fit = EdgeFit(pose, None, None, None, None, 0.0)  # type: ignore[arg-type]
-    return Candidate(fit, NO_FIT, light, steps=0.9, shading=0.4)
+    return Candidate(fit, NO_FIT, light, steps=0.9, shading=0.4, told=None)  # type: ignore[arg-type]
 
 
 def rivals() -> Rivals:
