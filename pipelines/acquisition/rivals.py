@@ -16,6 +16,9 @@ from scipy.spatial.transform import Rotation
 from models.pose import RigidTransform
 from pipelines.acquisition.under_sun import Candidate, UnderSun
 
+ALONE_SIGMAS = 4.0  # what a sole candidate of an image leads by
+MOST_SIGMAS = 8.0  # no lead is told to be larger: beyond it nothing was counted
+
 
 @dataclass(frozen=True)
 class RivalOptions:
@@ -95,8 +98,10 @@ class Rival:
     poses : tuple of RigidTransform
     last : Candidate
         Of the last image.
-    score, weight, light, steps : float
-        Sums over its images, each weighted.
+    score, weight : float
+        Sums over all images, each weighted.
+    explained, light, steps : float
+        Sums over its own.
     """
 
     times_s: tuple[float, ...]
@@ -104,6 +109,7 @@ class Rival:
     last: Candidate
     score: float
     weight: float
+    explained: float
     light: float
     steps: float
 
@@ -129,6 +135,8 @@ class Verdict:
     wrong_probability : float
     margin : float
         Weighted score by which the best rival leads.
+    light, steps : float
+        Means over its images.
     next_best : RigidTransform or None
         The next one's pose in the last image.
     """
@@ -136,6 +144,8 @@ class Verdict:
     best: Candidate
     wrong_probability: float
     margin: float
+    light: float
+    steps: float
     next_best: RigidTransform | None
 
 
@@ -199,13 +209,13 @@ class Rivals:
             return Rival(
                 (time_s,), (candidate.pose,), candidate,
                 self._worst + weight * candidate.score, self._weight + weight,
-                weight * candidate.light, weight * candidate.steps,
+                weight, weight * candidate.light, weight * candidate.steps,
             )  # fmt: skip
         best = max(before, key=lambda rival: rival.score)
         return Rival(
             (*best.times_s, time_s), (*best.poses, candidate.pose), candidate,
             best.score + weight * candidate.score, best.weight + weight,
-            best.light + weight * candidate.light, best.steps + weight * candidate.steps,
+            best.explained + weight, best.light + weight * candidate.light, best.steps + weight * candidate.steps,
         )  # fmt: skip
 
     def _goes_on(self, rival: Rival, time_s: float, pose: RigidTransform) -> bool:
@@ -228,11 +238,12 @@ class Rivals:
             for rival in self.carried[1:]
             if not self._looking.same(rival.poses[-1], best.poses[-1])
         ]
-        margin = best.score - others[0].score if others else 0.5 * best.weight
-        wrong = self._belief.wrong_probability(
-            margin, best.light / best.weight, best.steps / best.weight
-        )
-        return Verdict(best.last, wrong, margin, others[0].poses[-1] if others else None)
+        lead = best.score - others[0].score if others else ALONE_SIGMAS * best.weight
+        margin = min(lead, MOST_SIGMAS)
+        light, steps = best.light / best.explained, best.steps / best.explained
+        wrong = self._belief.wrong_probability(margin, light, steps)
+        next_best = others[0].poses[-1] if others else None
+        return Verdict(best.last, wrong, margin, light, steps, next_best)
 
 
 def _turn_deg(one: RigidTransform, other: RigidTransform) -> float:

@@ -50,7 +50,8 @@ SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light pre
 LEVELS = np.array([0.0, 0.02, 0.3, 1.0])  # of brightness, by what a pose says
 DUE_STEP = 0.2  # of these, across an edge at which an image must show a step
 STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
-NEAR_PX = 1.8  # an edge this near to its step is found
+NEAR_PX = 2.0  # an edge this near to its step is found,
+SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
 MARGIN_SHARE, MARGIN_PX = 0.8, 24  # of the lit part's size, that is kept round it
 TEMPLATE_WORK, SEARCH_WORK, LIGHT_WORK, FIT_WORK = 14.0, 4.0, 0.15, 1.0  # in fits
@@ -102,7 +103,7 @@ class Candidate:
     light : float
         Share of the image's light that it explains; see ``light_likelihood``.
     steps : float
-        Share found of the steps in brightness that are due.
+        Share found of the steps in brightness that are due, each counted by how near it is.
     shading : float
         Correlation of its brightness with the Sun's cosine.
     told : ToldLight
@@ -298,7 +299,7 @@ class UnderSun:
         pose: RigidTransform,
         told: ToldLight,
     ) -> float:
-        """Return the share found of the edges at which a pose has a step in brightness."""
+        """Return how many of the steps in brightness that a pose has are found, and how near."""
         samples = self._edges.shown(cut.camera, pose)
         if len(samples) < FEWEST_DUE:
             return 0.0
@@ -314,7 +315,11 @@ class UnderSun:
         due = samples.subset(np.abs(beside(1.0) - beside(-1.0)) > DUE_STEP)
         if len(due) < FEWEST_DUE:
             return 0.0
-        return float(search_steps(cut, due, NEAR_PX).found.mean())
+        steps = search_steps(cut, due, NEAR_PX)
+        radius_px = cut.camera.fx * self._wireframe.radius_m / pose.translation[2]
+        sharp = float(np.clip(SHARP_SHARE * radius_px, *SHARP_PX))
+        away = np.where(steps.found, steps.distance_px, np.inf)
+        return float(np.exp(-0.5 * (away / sharp) ** 2).mean())
 
     def _different(self, found: list[Candidate]) -> list[Candidate]:
         kept: list[Candidate] = []
