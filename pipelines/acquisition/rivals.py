@@ -206,17 +206,23 @@ class Rivals:
         """Return the best motion that ends in a candidate."""
         before = [rival for rival in self.carried if self._goes_on(rival, time_s, candidate.pose)]
         if not before:  # it explains nothing of the images before, as the worst of them did
-            return Rival(
-                (time_s,), (candidate.pose,), candidate,
-                self._worst + weight * candidate.score, self._weight + weight,
-                weight, weight * candidate.light, weight * candidate.steps,
-            )  # fmt: skip
+            nothing = Rival((), (), candidate, self._worst, self._weight, 0.0, 0.0, 0.0)
+            return self._with(nothing, time_s, candidate, weight)
         best = max(before, key=lambda rival: rival.score)
+        return self._with(best, time_s, candidate, weight)
+
+    @staticmethod
+    def _with(rival: Rival, time_s: float, candidate: Candidate, weight: float) -> Rival:
         return Rival(
-            (*best.times_s, time_s), (*best.poses, candidate.pose), candidate,
-            best.score + weight * candidate.score, best.weight + weight,
-            best.explained + weight, best.light + weight * candidate.light, best.steps + weight * candidate.steps,
-        )  # fmt: skip
+            times_s=(*rival.times_s, time_s),
+            poses=(*rival.poses, candidate.pose),
+            last=candidate,
+            score=rival.score + weight * candidate.score,
+            weight=rival.weight + weight,
+            explained=rival.explained + weight,
+            light=rival.light + weight * candidate.light,
+            steps=rival.steps + weight * candidate.steps,
+        )
 
     def _goes_on(self, rival: Rival, time_s: float, pose: RigidTransform) -> bool:
         options, last = self._options, rival.poses[-1]

@@ -49,7 +49,7 @@ class StartAnswer:
     wrong_probability : float
         That the best pose, claimed or not, is another than the true one; 1 without any.
     image : EdgeImage or None
-        The part about the target; None where it was not looked at.
+        The part about the target; None where it was not looked at, and never with a pose.
     over : bool
         Whether the next image begins a new start.
     """

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arrays import Floats, Image
+from models.arrays import Floats, Image, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
@@ -312,7 +312,8 @@ class UnderSun:
             column, row = np.where(inside[:, None], cell, 0).T
             return np.where(inside, level[row, column], 0.0)
 
-        due = samples.subset(np.abs(beside(1.0) - beside(-1.0)) > DUE_STEP)
+        is_due: Mask = np.abs(beside(1.0) - beside(-1.0)) > DUE_STEP
+        due = samples.subset(is_due)
         if len(due) < FEWEST_DUE:
             return 0.0
         steps = search_steps(cut, due, NEAR_PX)

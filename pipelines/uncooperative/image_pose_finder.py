@@ -162,7 +162,7 @@ class ImagePoseFinder:
         found = start.take(frame.image, frame.time_s, sun_in_cam)
         if found.over:
             self._start = None
-        if found.pose is None:
+        if found.pose is None or found.image is None:
             return self._none(frame, found.reason, found.image)
         estimate = self._said(frame, found.image, found.pose.fit, found.pose.check)
         if estimate.pose is None:

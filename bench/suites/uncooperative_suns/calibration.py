@@ -2,7 +2,7 @@
 
 ::
 
-    python -m bench.suites.uncooperative_suns.calibration OUT --targets xmm hispasat --runs 48 --seed 100
+    python -m bench.suites.uncooperative_suns.calibration OUT --runs 48 --seed 100
 
 On frames of a seed that nothing else is told of, every start looks at all of its images and claims
 nothing; at each the evidence of the best rival is noted, and whether it is wrong. A logistic
