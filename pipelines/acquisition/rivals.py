@@ -67,8 +67,8 @@ class Belief:
     """
 
     constant: float = 4.0
-    by_margin: float = -25.0
-    by_light: float = -3.0
+    by_margin: float = -0.8
+    by_light: float = -2.0
     by_steps: float = -5.0
     least: float = 2e-3
 

@@ -17,7 +17,7 @@ from models.arrays import Floats, Indices
 from models.wireframe.wireframe import Wireframe
 
 POINTS = 16_000
-SHADOW_CELLS = 96  # across the target's diameter
+SHADOW_CELLS = 72  # across the target's diameter
 CLEAR_CELLS = 2.5  # nearer than this behind what the Sun meets first a point is lit itself
 
 
