@@ -33,7 +33,7 @@ class SunlitStartOptions:
 
     rivals: RivalOptions = field(default_factory=RivalOptions)
     belief: Belief = field(default_factory=Belief)
-    most_work: float = 150.0
+    most_work: float = 110.0
     longest_gap_s: float = 60.0
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats, Image, Mask
 from models.camera import Camera
@@ -73,6 +74,9 @@ class UnderSunOptions:
         how many of these are laid on the edges,
     twinned : int
         and of how many of these the twins are tried.
+    about_deg : float, deg
+        The best is tried anew from as far off, either way about each axis of the target: a small
+        one fits poses some degrees apart alike.
     finalists : int
         How many poses are kept of an image.
     apart_deg, apart_share : float
@@ -86,6 +90,7 @@ class UnderSunOptions:
     views: int = 40
     laid: int = 12
     twinned: int = 2
+    about_deg: float = 15.0
     finalists: int = 6
     apart_deg: float = 8.0
     apart_share: float = 0.05
@@ -191,6 +196,8 @@ class UnderSun:
         axes = [
             np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
         ]
+        about = np.deg2rad(options.about_deg) * np.concatenate([np.eye(3), -np.eye(3)])
+        self._small_turns = list(Rotation.from_rotvec(about).as_matrix())
         self._half_turns = [turn for turn in axes if not self._is_symmetry(turn)]
 
     def look(
@@ -240,6 +247,11 @@ class UnderSun:
             RigidTransform(one.pose.rotation @ turn, one.pose.translation)
             for one in found[: options.twinned]
             for turn in self._half_turns
+        ]
+        twins += [
+            RigidTransform(one.pose.rotation @ turn, one.pose.translation)
+            for one in found[:1]
+            for turn in self._small_turns
         ]
         laid = [self._laid(cut, light, twin, sun_in_cam, reach) for twin in twins]
         work += FIT_WORK * (len(chosen) + len(twins))
