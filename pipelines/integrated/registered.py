@@ -31,11 +31,15 @@ def make(onboard: OnboardKnowledge, variant: str) -> IntegratedNavigation:
     )
 
 
+def _settings(variant: str) -> str:
+    return " ".join(each.settings_hash(variant) for each in (ABSOLUTE, UNCOOPERATIVE))
+
+
 PIPELINE = RegisteredPipeline(
     name=NAME,
     make=make,
     streams=(IMAGE, GNSS, INERTIAL, STARS),
     variants=UNCOOPERATIVE.variants,
-    settings=lambda variant: f"{ABSOLUTE.settings(variant)} {UNCOOPERATIVE.settings(variant)}",
+    settings=_settings,
     label=str,
 )

@@ -29,7 +29,7 @@ class NavigationTable(Table):
     """
 
     by: Literal["sensors", "stated"] = Field(
-        SENSORS,
+        "sensors",
         description="stated: no sensors; the orbit is told, wrong by tumble.onboard.chaser_sigma_m",
     )
     regime: Literal["leo", "geo"] = Field("leo", description="of the receiver and the filter")

@@ -72,7 +72,15 @@ def _perturbed(
 def chaser_tables(
     scenario: Scenario, table: TumbleTable, motion: FreeMotion, navigation: SensorsAboard | None
 ) -> tuple[TableSensor, ...]:
-    """Return what tells of the chaser's orbit: its own sensors, or its orbit as stated."""
+    """Return what tells of the chaser's orbit: its own sensors, or its orbit as stated.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    table : TumbleTable
+    motion : FreeMotion
+    navigation : SensorsAboard or None
+    """
     if navigation is not None:
         return navigation.streams()
     told = table.onboard

@@ -149,7 +149,12 @@ class NavigationStream:
         return COLUMNS[self.name]
 
     def reading(self, frame: int, time_s: float, since_s: float, run: int) -> TableReading:
-        """Return what it gave from one frame to the next; see ``TableSensor.reading``."""
+        """Return what it gave from one frame to the next.
+
+        Parameters
+        ----------
+        frame, time_s, since_s, run : as for ``TableSensor.reading``
+        """
         times_s, rows = self.aboard.rows(run)[self.name]
         own = (times_s > since_s + ROUNDING_S) & (times_s <= time_s + ROUNDING_S)
         return TableReading(self.columns, times_s[own], rows[own])

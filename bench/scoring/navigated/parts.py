@@ -36,12 +36,22 @@ def navigation(judged_images: Runs, truth: TrueImages, label: str) -> Navigation
 
 
 def integrity(judged_images: Runs, truth: TrueImages, label: str) -> Protection:
-    """Count where the protection levels of the chaser's position held; as ``navigation``."""
+    """Count where the protection levels of the chaser's position held.
+
+    Parameters
+    ----------
+    judged_images, truth, label : as for ``navigation``
+    """
     return of_levels(_instants(judged_images, truth), truth, label)
 
 
 def relative_integrity(judged_images: Runs, truth: TrueImages, label: str) -> Protection:
-    """Count where those of the target's relative position held; as ``navigation``."""
+    """Count where those of the target's relative position held.
+
+    Parameters
+    ----------
+    judged_images, truth, label : as for ``navigation``
+    """
     errors, levels = [], []
     for each in (image for run in judged_images for image in run):
         state = relative_state(each.estimate)

@@ -43,7 +43,12 @@ def flight_of(case: Case, duration_s: float, manoeuvres: tuple[Manoeuvre, ...] =
 def orbit_of(
     case: Case, duration_s: float, manoeuvres: tuple[Manoeuvre, ...] = ()
 ) -> PerturbedOrbit:
-    """Return a case's orbit, from its circle's ascending node; parameters as ``flight_of``."""
+    """Return a case's orbit, from its circle's ascending node.
+
+    Parameters
+    ----------
+    case, duration_s, manoeuvres : as for ``flight_of``
+    """
     start = KeplerOrbit.from_elements_deg(
         a_km=case.axis_km,
         e=0.0,
