@@ -316,11 +316,12 @@ class UnderSun:
         if len(samples) < FEWEST_DUE:
             return 0.0
         level, corner = LEVELS[told.said], told.corner
+        size = np.array(level.shape[::-1])
 
         def beside(way: float) -> Floats:
             places = samples.points_px + way * STEP_CELLS * light.cell_px * samples.normals_px
             cell = np.floor((places - light.corner_px) / light.cell_px).astype(int) - corner
-            inside = (cell >= 0).all(axis=1) & (cell < np.array(level.shape[::-1])).all(axis=1)
+            inside = np.asarray(((cell >= 0) & (cell < size)).all(axis=1))
             column, row = np.where(inside[:, None], cell, 0).T
             return np.where(inside, level[row, column], 0.0)
 

@@ -138,7 +138,7 @@ def draw_motion(task: MotionTask, camera: Camera, radius_m: float) -> DrawnMotio
     place = range_m * camera.rays((centre + 0.5 * off)[None])[0]
     rate_deg_s, step_s = log_uniform(rng, RATES_DEG_S), log_uniform(rng, STEPS_S)
     axis = _direction(rng)
-    times_s = step_s * np.arange(task.images)
+    times_s = step_s * np.arange(task.images, dtype=np.float64)
     poses = tuple(
         RigidTransform(
             (attitude * Rotation.from_rotvec(np.deg2rad(rate_deg_s) * t * axis)).as_matrix(), place

@@ -116,7 +116,8 @@ def _cards(leading: dict[str, Summary]) -> list[Card]:
 def _counts(summaries: dict[str, dict[str, Summary]]) -> Table:
     head = ["", "starts", "found", "at the first image", "wrong", "refused", "found where lit",
             "attitude, deg", "range, %", "s a start"]  # fmt: skip
-    rows, sections = [], {}
+    rows: list[list[str]] = []
+    sections: dict[int, str] = {}
     for target, own in summaries.items():
         sections[len(rows)] = target
         for variant, one in reversed(own.items()):
