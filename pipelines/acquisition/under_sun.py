@@ -18,7 +18,7 @@ from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
-from pipelines.acquisition.from_image import reduced
+from pipelines.acquisition.image_part import cut_out, lit_extent_rad, phase_rad
 from pipelines.acquisition.light_likelihood import (
     ImageLight,
     ToldLight,
@@ -37,8 +37,6 @@ from pipelines.acquisition.sunlit_views import (
     sunlit_views,
 )
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.detection.edge_map import find_edges
-from pipelines.detection.target_region import TargetRegion, find_target
 from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, search_steps
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.tracking.pose_check import PoseCheck, check_pose
@@ -54,7 +52,6 @@ STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
 NEAR_PX = 2.0  # an edge this near to its step is found,
 SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
-MARGIN_SHARE, MARGIN_PX = 0.8, 24  # of the lit part's size, that is kept round it
 TEMPLATE_WORK, SEARCH_WORK, LIGHT_WORK, FIT_WORK = 14.0, 4.0, 0.15, 1.0  # in fits
 
 
@@ -217,8 +214,9 @@ class UnderSun:
         cut = cut_out(image, self._camera, self._detector, options.fine_width)
         if not cut.target:
             return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
-        seen = seen_views(self._wireframe, _rung(cut), options.directions)
-        phase, work = _phase_rad(cut, sun_in_cam), SEARCH_WORK
+        rung = NEAR_RADII if lit_extent_rad(cut) > NEAR_BEYOND else FAR_RADII
+        seen = seen_views(self._wireframe, rung, options.directions)
+        phase, work = phase_rad(cut, sun_in_cam), SEARCH_WORK
         off_rad = np.inf if self._lit is None else abs(self._lit.phase_rad - phase)
         if self._lit is None or off_rad > np.deg2rad(PHASE_STEP_DEG) or self._seen is not seen:
             self._seen, self._lit = seen, sunlit_views(seen, phase)
@@ -353,55 +351,3 @@ class UnderSun:
 
     def _is_symmetry(self, turn: Floats) -> bool:
         return any(np.trace(turn @ own.T) > 2.99 for own in self._wireframe.symmetries)
-
-
-def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int) -> EdgeImage:
-    """Find the target in an image, reduced to ``width``, and its edges in the part round it.
-
-    Parameters
-    ----------
-    image : (height, width) array, DN
-    camera : Camera
-    detector : Detector or None
-        As calibrated.
-    width : int, px
-
-    Returns
-    -------
-    EdgeImage
-        Of the part, with its own camera; of the whole where there is no target.
-    """
-    pixels, small = reduced(image, camera, width)
-    target = find_target(pixels, detector)
-    if not target:
-        return EdgeImage(target, find_edges(target, detector), small)
-    row, column = np.nonzero(target.lit)
-    margin = int(MARGIN_SHARE * max(np.ptp(row), np.ptp(column))) + MARGIN_PX
-    top, left = max(0, int(row.min()) - margin), max(0, int(column.min()) - margin)
-    rows = slice(top, int(row.max()) + margin + 1)
-    columns = slice(left, int(column.max()) + margin + 1)
-    part = TargetRegion(
-        np.ascontiguousarray(target.signal[rows, columns]),
-        np.ascontiguousarray(target.stretched[rows, columns]),
-        np.ascontiguousarray(target.lit[rows, columns]),
-        target.sky_sigma_dn,
-        target.knee_dn,
-        target.saturated,
-    )
-    height, width = part.signal.shape
-    own = replace(small, width=width, height=height, cx=small.cx - left, cy=small.cy - top)
-    return EdgeImage(part, find_edges(part, detector), own)
-
-
-def _rung(cut: EdgeImage) -> float:
-    """Return from how many radii views are made that look like an image."""
-    row, column = np.nonzero(cut.target.lit)
-    extent = max(float(np.ptp(row)), float(np.ptp(column))) / cut.camera.fx
-    return NEAR_RADII if extent > NEAR_BEYOND else FAR_RADII
-
-
-def _phase_rad(cut: EdgeImage, sun_in_cam: Floats) -> float:
-    """Return the angle between the Sun and the camera as the target sees them."""
-    row, column = np.nonzero(cut.target.lit)
-    ray = cut.camera.rays(np.array([[column.mean(), row.mean()]]))[0]
-    return float(np.arccos(np.clip(-ray @ sun_in_cam, -1.0, 1.0)))

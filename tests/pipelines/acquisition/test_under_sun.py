@@ -7,10 +7,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform
+from pipelines.acquisition.image_part import cut_out
 from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_light
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.acquisition.under_sun import Looked, UnderSun, UnderSunOptions, cut_out
+from pipelines.acquisition.under_sun import Looked, UnderSun, UnderSunOptions
 from pipelines.detection.target_region import find_target
 from tests.support.drawn_targets import CAMERA, DETECTOR, drawn, target
 
