@@ -94,7 +94,7 @@ class ImagePoseFinder:
         """
         if self._by_points is not None:
             return self._by_points.acquire(self._points(frame))
-        sun_in_cam = self._knowledge.sun_in_cam(frame.chaser)
+        sun_in_cam = self._knowledge.sun_in_cam(frame.chaser, frame.mount)
         if sun_in_cam is not None:
             return self._acquired_under(sun_in_cam, frame)
         outcome = self._acquirer.acquire(frame.image)

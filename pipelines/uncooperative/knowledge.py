@@ -163,17 +163,20 @@ class UncooperativeKnowledge:
     sun_dir_in_inertial: Floats | None = None
     sun_sigma_deg: float = 0.0
 
-    def sun_in_cam(self, chaser: ChaserState) -> Floats | None:
+    def sun_in_cam(self, chaser: ChaserState, mount: CameraMount | None = None) -> Floats | None:
         """Return the unit vector towards the Sun in camera axes, (3,), where it is on board.
 
         Parameters
         ----------
         chaser : ChaserState
+        mount : CameraMount, optional
+            By the attitude that is navigated; without it, as known before flight.
         """
         if self.sun_dir_in_inertial is None:
             return None
         axes = lvlh_axes(chaser.position_in_inertial, chaser.velocity_in_inertial)
-        return np.asarray(self.cam_from_lvlh.rotation @ axes.T @ self.sun_dir_in_inertial)
+        mounted = self.cam_from_lvlh if mount is None else mount.cam_from_lvlh
+        return np.asarray(mounted.rotation @ axes.T @ self.sun_dir_in_inertial)
 
     @classmethod
     def of(cls, onboard: OnboardKnowledge) -> UncooperativeKnowledge:
