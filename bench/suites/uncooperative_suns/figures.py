@@ -94,7 +94,8 @@ def reliability_figure(summaries: dict[str, Summary]) -> str:
         panel.set_yscale("log")
         panel.set_xlabel("probability of being wrong, as told")
         panel.set_ylabel("share that was wrong, 95 %")
-        panel.legend()
+        if any(summary.claims for summary in summaries.values()):
+            panel.legend()
 
     return drawn_svg(draw, (5.5, 4.0))
 
