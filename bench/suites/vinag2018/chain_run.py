@@ -132,9 +132,10 @@ def _world(task: ChainTask) -> World:
     start_s = table["motion"]["start_s"]
     table["motion"] |= {"end_s": start_s + task.span_s, "rate_hz": task.rate_hz}
     table["render"]["seed"] = task.seed
+    table["tumble"]["onboard"] = {"sigma_px": task.noise.sigma_px}
     if task.chaser == TRUE:
         table["navigation"]["by"] = "stated"
-        table["tumble"]["onboard"] = {"chaser_sigma_m": 0.0, "chaser_sigma_m_s": 0.0}
+        table["tumble"]["onboard"] |= {"chaser_sigma_m": 0.0, "chaser_sigma_m_s": 0.0}
     return world_of(Scenario.model_validate(table))
 
 
