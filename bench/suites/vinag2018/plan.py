@@ -243,7 +243,8 @@ class Plan:
     def chained(self, variant: str, chaser: str) -> list[WorkUnit]:
         """Return the units of a variant's runs with one kind of chaser, one each."""
         span_s = min(self.sizes.chain_s, self.sizes.span_s(LEO))
-        options = f"{options_text(variant, LEO.regime, False)} {relative_options_for(variant, LEO.regime)!r}"
+        own = options_text(variant, LEO.regime, False)
+        options = f"{own} {relative_options_for(variant, LEO.regime)!r}"
         return [
             WorkUnit(
                 name=f"chain/{span_s:.0f}s/{chaser}/{variant}/run_{run:04d}",
