@@ -25,6 +25,7 @@ from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
 from bench.random_dataset.verb import Dataset
 from bench.scoring.verb import Score
+from bench.status.verb import Status
 from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
@@ -45,6 +46,7 @@ VERBS: dict[str, type[Any]] = {
     "show": verbs.Show,
     "inspect": Inspect,
     "export": Export,
+    "status": Status,
     "store": Store,
     "new": New,
     "list": verbs.List,

@@ -112,7 +112,6 @@ def write_said(pairs: Path) -> None:
         (pairs / name).write_text("\n".join(lines) + "\n")
 
 
-
 def _words(values: object) -> str:
     return " ".join(repr(float(value)) for value in np.ravel(np.asarray(values)))
 

@@ -174,7 +174,8 @@ place_m = [0.0, 0.0, 0.1]
 rpy_deg = [0.0, 90.0, 0.0]
 """
 URDF = """<robot name="two"><link name="base"/><link name="upper">
-<collision><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry></collision>
+<collision><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry>
+</collision>
 </link><link name="lower"><collision><geometry><sphere radius="0.06"/></geometry></collision></link>
 <joint name="a" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
 <origin xyz="0 0 0.1" rpy="0 0 0"/><limit lower="-2.9" upper="2.9" effort="1" velocity="1"/></joint>

@@ -1,4 +1,4 @@
-"""Processes that try seeds: one that hangs, dies or takes all memory is a fault, and is replaced."""
+"""Processes that try seeds: one that hangs, dies or takes all memory is a fault, and replaced."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import os
 import resource
 import signal
 import time
-from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -68,18 +67,21 @@ def tried(
     grounds, scratch : Path
     workers : int
     """
-    left = deque(trials)
+    left, over = iter(trials), False
     hands = [_begun(grounds, scratch / str(number)) for number in range(workers)]
     try:
         while True:
             for number, hand in enumerate(hands):
-                if hand.asked is None and left:
-                    hand.ask(left.popleft())
+                if hand.asked is None and not over:
+                    trial = next(left, None)
+                    over = trial is None
+                    if trial is not None:
+                        hand.ask(trial)
                 if why := hand.hangs():
                     yield _fault(hand, why)
                     hands[number] = _begun(grounds, scratch / str(number))
             busy = {hand.line: number for number, hand in enumerate(hands) if hand.asked}
-            if not busy and not left:
+            if not busy and over:
                 return
             for line in wait(list(busy), PATIENCE_S):
                 number = busy[line]  # type: ignore[index]

@@ -6,7 +6,16 @@ from bench.campaign.grounds import FORMAT, SUITE
 from bench.campaign.hostile.kind import Kind
 
 RENDER = ("--out", "made/out", "--store", "made/store")
-SCORE = ("score", "pairs/data", "--estimates", "{file}", "--vsd-px", "0", "--out", "made/score.json")
+SCORE = (
+    "score",
+    "pairs/data",
+    "--estimates",
+    "{file}",
+    "--vsd-px",
+    "0",
+    "--out",
+    "made/score.json",
+)
 COMPARE = (
     "compare", "pairs/data", "{file}", "--vsd-px", "0", "--resamples", "20", "--out", "made/c",
 )  # fmt: skip

@@ -43,9 +43,7 @@ def spoil(random: Generator, kind: Kind, folder: Path) -> Spoilt:
     folder : Path
         The copy of its ground.
     """
-    found = sorted(
-        {path for name in kind.files for path in folder.glob(name) if path.is_file()}
-    )
+    found = sorted({path for name in kind.files for path in folder.glob(name) if path.is_file()})
     path = found[int(random.integers(len(found)))]
     data = path.read_bytes()
     draw = random.random()

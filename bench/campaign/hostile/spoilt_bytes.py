@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-
 from numpy.random import Generator
 
 ByteSpoil: TypeAlias = Callable[[Generator, bytes], bytes]

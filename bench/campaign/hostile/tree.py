@@ -34,7 +34,5 @@ def damage(before: Tree, after: Tree, allowed: Collection[str]) -> list[str]:
     allowed : collection of str
         Patterns; a star stands for folders, too.
     """
-    changed = sorted(
-        path for path in {*before, *after} if before.get(path) != after.get(path)
-    )
+    changed = sorted(path for path in {*before, *after} if before.get(path) != after.get(path))
     return [path for path in changed if not any(fnmatch(path, each) for each in allowed)]

@@ -85,10 +85,11 @@ def _fault(heard: Heard, damaged: list[str], written: Path) -> str:
     if "Warning" in heard.errors:
         line = next(each for each in heard.errors.splitlines() if "Warning" in each)
         return f"warned: {line.strip()}"
-    return _fault_of_message(heard) or _fault_of_json(written)
+    return fault_of_message(heard) or _fault_of_json(written)
 
 
-def _fault_of_message(heard: Heard) -> str:
+def fault_of_message(heard: Heard) -> str:
+    """Return what is wrong with the message of a verb that refused; nothing if it is one."""
     if UNPRINTABLE.search(heard.errors.replace("\x1b[", "")) and heard.code == 2:
         return "a message with control characters"
     messages = [each for each in heard.errors.splitlines() if each.startswith(OUR_WORD)]
