@@ -36,7 +36,7 @@ import OpenEXR
 from models.arrays import AnyArray
 from models.atomic_file import write_bytes
 from models.errors import UnreadableError
-from models.reading.regular_file import read_bytes
+from models.reading.regular_file import MEGABYTE, read_bytes
 
 SEAL = "rvbench_seal"
 DIGITS = 64

@@ -17,6 +17,7 @@ from bench.campaign.hostile.trial import Told, try_one
 
 COMMAND_LINE_SHARE = 3.0
 ORDER = 1
+HEARTBEAT = 100
 
 
 def trials(count: int, first: int, only: str | None, *, full: bool) -> list[tuple[str, int]]:
@@ -61,6 +62,8 @@ def try_all(
     with tempfile.TemporaryDirectory(prefix="rvbench-campaign-") as scratch:
         for told in tried(due(), grounds, Path(scratch), workers):
             found.append(told)
+            if len(found) % HEARTBEAT == 0:
+                print(f"{len(found)} tried", file=sys.stderr, flush=True)
             for line in told_faults([told]):
                 print(f"{len(found)} tried; {line}", file=sys.stderr, flush=True)
     return found
