@@ -61,7 +61,13 @@ class Campaign:
     """grounds, which are made once, and WHAT.json"""
 
     def run(self) -> int:
-        """Do it; return the exit code."""
+        """Do it; return the exit code.
+
+        Raises
+        ------
+        RvbenchError
+            If there is no such kind, or a seed comes without one.
+        """
         kinds = {"hostile": NAMES, "kills": tuple(KILLED), "places": tuple(PLACES)}[self.what]
         if self.only is not None and self.only not in kinds:
             raise RvbenchError(f"expected --only one of {', '.join(kinds)}, got {self.only!r}")

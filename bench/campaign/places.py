@@ -25,7 +25,7 @@ class Skipped(Exception):
     """A place that this machine does not let us make, and why."""
 
 
-def full_disk(grounds: Path, place: Path, random: np.random.Generator) -> str:
+def _full_disk(grounds: Path, place: Path, random: np.random.Generator) -> str:
     """Run on a disk that fills up, then with room: whole files are kept, and it goes on."""
     with _disk(place / "disk") as disk:
         _mount("-o", f"remount,size={int(random.integers(*ROOM_KB))}k", disk)
@@ -42,7 +42,7 @@ def full_disk(grounds: Path, place: Path, random: np.random.Generator) -> str:
         return _goes_on(typed, place, grounds, disk / "out", kept)
 
 
-def full_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
+def _full_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
     """Run with a store that fills up, then with room."""
     with _disk(place / "disk") as disk:
         _mount("-o", f"remount,size={int(random.integers(*ROOM_KB)) // 4}k", disk)
@@ -55,7 +55,7 @@ def full_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
         return _goes_on(typed, place, grounds, place / "out", {})
 
 
-def read_only(grounds: Path, place: Path, random: np.random.Generator) -> str:
+def _read_only(grounds: Path, place: Path, random: np.random.Generator) -> str:
     """Run, report and export into what cannot be written: one message, and nothing is changed."""
     with _disk(place / "disk") as disk:
         shutil.copytree(grounds / "pairs" / "data", disk / "data")
@@ -75,7 +75,7 @@ def read_only(grounds: Path, place: Path, random: np.random.Generator) -> str:
         return fault or differences(before, contents(disk))
 
 
-def clock(grounds: Path, place: Path, random: np.random.Generator) -> str:
+def _clock(grounds: Path, place: Path, random: np.random.Generator) -> str:
     """Go on in a folder and a store whose files are of the future, or of long ago."""
     shutil.copytree(grounds / "pairs", place / "pairs")
     years = float(random.choice([-60.0, -1.0, 1.0, 80.0]))
@@ -89,7 +89,7 @@ def clock(grounds: Path, place: Path, random: np.random.Generator) -> str:
     return _goes_on(typed, place, grounds, data, {})
 
 
-def one_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
+def _one_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
     """Have two to eight write into folders of their own, and one store."""
     outs = [place / f"out_{number}" for number in range(int(random.integers(2, MOST_WRITERS + 1)))]
     case = grounds / "cases" / "small.toml"
@@ -102,7 +102,7 @@ def one_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
     return differences(contents(grounds / "pairs" / "store"), contents(place / "store"))
 
 
-def one_folder(grounds: Path, place: Path, random: np.random.Generator) -> str:
+def _one_folder(grounds: Path, place: Path, random: np.random.Generator) -> str:
     """Have two to eight write into one folder: each ends well or with one message, and it is whole.
 
     Who comes second may be told that files have changed beneath it; the command then goes on.
@@ -117,17 +117,25 @@ def one_folder(grounds: Path, place: Path, random: np.random.Generator) -> str:
 
 
 PLACES: dict[str, Callable[[Path, Path, np.random.Generator], str]] = {
-    "full disk": full_disk,
-    "full store": full_store,
-    "read-only": read_only,
-    "clock": clock,
-    "writers on one store": one_store,
-    "writers in one folder": one_folder,
+    "full disk": _full_disk,
+    "full store": _full_store,
+    "read-only": _read_only,
+    "clock": _clock,
+    "writers on one store": _one_store,
+    "writers in one folder": _one_folder,
 }
 
 
 def try_place(name: str, seed: int, grounds: Path, place: Path) -> str:
     """Try a seed; return the fault, nothing if all stood.
+
+    Parameters
+    ----------
+    name : str
+    seed : int
+    grounds : Path
+    place : Path
+        Folder of the trial; made anew.
 
     Raises
     ------

@@ -67,7 +67,13 @@ def dataset_status(folder: Path) -> FolderStatus:
 
 
 def random_dataset_status(folder: Path) -> FolderStatus:
-    """Return the status of what ``dataset`` writes."""
+    """Return the status of what ``dataset`` writes.
+
+    Raises
+    ------
+    DatasetError
+        If its index names what is no folder beside it.
+    """
     mark = read_json_table(folder / "random_dataset.json")
     counted = Counter(row.text("folder") for row in read_csv(folder / "index.csv", INDEX_COLUMNS))
     stages = []

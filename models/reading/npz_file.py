@@ -26,6 +26,10 @@ NOT_AS_WRITTEN = (
 def read_npz(path: Path, most_bytes: int = MOST_TABLE_BYTES) -> dict[str, AnyArray]:
     """Read every array of an archive, by name.
 
+    Returns
+    -------
+    dict of str to (...,) arrays
+
     Raises
     ------
     UnreadableError

@@ -50,7 +50,16 @@ def trials(count: int, first: int, only: str | None, *, full: bool) -> list[tupl
 def try_all(
     asked: list[tuple[str, int]], grounds: Path, workers: int, seconds: float | None
 ) -> list[Told]:
-    """Try them, tell each fault as it is found, and begin none after some seconds."""
+    """Try them, tell each fault as it is found, and begin none after some seconds.
+
+    Parameters
+    ----------
+    asked : list of (str, int)
+        Kinds and seeds.
+    grounds : Path
+    workers : int
+    seconds : float, optional, s
+    """
     began, found = time.monotonic(), list[Told]()
 
     def due() -> Iterator[tuple[str, int]]:
@@ -70,7 +79,17 @@ def try_all(
 
 
 def try_again(name: str, seed: int, grounds: Path, folder: Path) -> int:
-    """Try one seed in this process, tell all of it, and leave its folder; return the exit code."""
+    """Try one seed in this process, tell all of it, and leave its folder; return the exit code.
+
+    Parameters
+    ----------
+    name : str
+        Of the kind.
+    seed : int
+    grounds : Path
+    folder : Path
+        Of the trial.
+    """
     told = try_one(name, seed, grounds, folder)
     print(f"in {folder / 'here'}: {told.how} of {told.spoilt}\nrvbench {told.typed}")
     print(told.errors or "(nothing was said)")
