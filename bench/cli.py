@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import io
 import os
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -30,8 +32,10 @@ from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
 from models.errors import RvbenchError, ScenarioError
+from models.reading.shown import shown
 
 COULD_NOT_RUN, NOBODY_READS = 2, 141
+CONTROLS = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
 VERBS: dict[str, type[Any]] = {
     "run": verbs.Run,
@@ -87,6 +91,7 @@ def _run_and_leave(typed: list[str]) -> NoReturn:
 def _run(typed: list[str]) -> int:
     """Parse and run; return the exit code."""
     verb = typed[0] if typed else ""
+    _print_any_name()
     try:
         code = int(parse(typed).run())
         if sys.stdout is not None:
@@ -132,9 +137,10 @@ def parse(arguments: list[str]) -> Any:
     SystemExit
         After printing help, versions, or what is wrong and what was perhaps meant.
     ScenarioError
-        If there is no such verb, or an argument is empty.
+        If there is no such verb, or an argument is empty or has control characters.
     """
     _refuse_empty(arguments)
+    _refuse_controls(arguments)
     if arguments and arguments[0] in VERBS:
         name, verb = arguments[0], VERBS[arguments[0]]
         explained = inspect.cleandoc(verb.__doc__ or "")
@@ -173,6 +179,21 @@ def _refuse_empty(arguments: list[str]) -> None:
             after = option if is_given else before if before.startswith("--") else ""
             where = f" after {after}" if after else ""
             raise ScenarioError(f"expected a value{where}, got an empty text")
+
+
+def _refuse_controls(arguments: list[str]) -> None:
+    """Refuse control characters: whoever tells of them again has the terminal obey them."""
+    for argument in arguments:
+        if CONTROLS.search(argument):
+            raise ScenarioError(
+                f"expected arguments without control characters, got {shown(argument)}"
+            )
+
+
+def _print_any_name() -> None:
+    """Have names of files that are no UTF-8 printed with their bytes escaped, not raise."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _interrupted(verb: str) -> int:

@@ -74,7 +74,10 @@ def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
         never_right, allowed = kind.needed and done.never_right, kind.ours
     before = tree(folder)
     heard = hear(typed, place)
-    damaged = damage(before, tree(folder), [f"here/{each}" for each in (f"{OUT}/*", *allowed)])
+    after = tree(folder)
+    if name == COMMAND_LINE:  # it may have been told to write anywhere; but over nothing of others
+        after = {path: after[path] for path in after if path in before}
+    damaged = damage(before, after, [f"here/{each}" for each in (f"{OUT}/*", *allowed)])
     verdict = judge(heard, never_right=never_right, damaged=damaged, written=place / OUT)
     return Told(name, seed, " ".join(typed), spoilt, how, verdict, heard.errors)
 
