@@ -35,6 +35,7 @@ from models.errors import RvbenchError, ScenarioError
 from models.reading.shown import shown
 
 COULD_NOT_RUN, NOBODY_READS = 2, 141
+MOST_MESSAGE = 2000  # characters
 CONTROLS = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
 VERBS: dict[str, type[Any]] = {
@@ -106,13 +107,14 @@ def _run(typed: list[str]) -> int:
     except BrokenPipeError:
         return _nobody_reads()
     except RvbenchError as error:
-        print(f"rvbench: {error}", file=sys.stderr)
+        print(f"rvbench: {_readable(str(error))}", file=sys.stderr)
         return COULD_NOT_RUN
     except KeyboardInterrupt:
         return _interrupted(verb)
     except OSError as error:
         print(
-            f"rvbench: expected the system to let us read and write, got: {error}; every file "
+            "rvbench: expected the system to let us read and write, got: "
+            f"{_readable(str(error))}; every file "
             "written so far is whole and kept",
             file=sys.stderr,
         )
@@ -151,7 +153,7 @@ def parse(arguments: list[str]) -> Any:
     if arguments and not arguments[0].startswith("-"):
         near = difflib.get_close_matches(arguments[0], VERBS, n=1)
         hint = f"; perhaps you meant {near[0]}" if near else ""
-        raise ScenarioError(f"expected one of {', '.join(VERBS)}, got {arguments[0]!r}{hint}")
+        raise ScenarioError(f"expected one of {', '.join(VERBS)}, got {shown(arguments[0])}{hint}")
     choices = tuple(
         Annotated[verb, tyro.conf.subcommand(name, description=_first_line(verb))]
         for name, verb in VERBS.items()
@@ -188,6 +190,14 @@ def _refuse_controls(arguments: list[str]) -> None:
             raise ScenarioError(
                 f"expected arguments without control characters, got {shown(argument)}"
             )
+
+
+def _readable(message: str) -> str:
+    """Return a message that a terminal shows and does not obey, of a length that is still read."""
+    if len(message) > MOST_MESSAGE:
+        half = MOST_MESSAGE // 2
+        message = f"{message[:half]} ... {message[-half:]}"
+    return CONTROLS.sub(lambda found: ascii(found[0])[1:-1], message)
 
 
 def _print_any_name() -> None:

@@ -141,3 +141,16 @@ def test_a_folder_whose_name_is_no_text_is_told_of(scored_dataset, tmp_path):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert rb"gr\udcfc\udcdf: dataset" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "typed", [["x" * 9000], ["render", "x" * 9000, "--out", "o"], ["score", "y" * 9000]]
+)
+def test_a_message_about_a_long_word_stays_short(typed, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(typed) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("rvbench: ")
+    assert told.count("\n") == 1
+    assert len(told) < 2500
+    assert not list(tmp_path.iterdir())
