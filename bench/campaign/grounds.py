@@ -12,9 +12,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import shutil
 import subprocess
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +43,8 @@ SUITE = (
     "--acquisitions", "1", "--duration-s", "60", "--paper-runs", "1", "--workers", "1",
 )  # fmt: skip
 FORMAT = "yolo-pose"
+CAMPAIGN = Path(__file__).resolve().parent
+HOUSE = CAMPAIGN.parents[1]
 
 
 def make_grounds(folder: Path, *, tumble: bool) -> None:
@@ -52,8 +57,7 @@ def make_grounds(folder: Path, *, tumble: bool) -> None:
         A run of a target without markers, a sweep and a suite, too: they take a minute.
     """
     cases = folder / "cases"
-    if not cases.is_dir():
-        write_cases(cases)
+    write_cases(cases)
     pairs = folder / "pairs"
     _made(pairs, cases, "run", "small.toml", "--out", pairs / "data", "--store", pairs / "store")
     if not (pairs / "said.tum").is_file():
@@ -74,10 +78,12 @@ def make_grounds(folder: Path, *, tumble: bool) -> None:
 
 
 def _made(place: Path, cases: Path, *typed: object, begun: bool = False) -> None:
-    """Run a verb unless it has run; ``begun`` stops it where it would render."""
-    if (place / "made").is_file():
+    """Run a verb unless this code has run it; ``begun`` stops it where it would render."""
+    code = _code()
+    if (place / "made").is_file() and (place / "made").read_text() == code:
         return
-    place.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
     program = BEGUN if begun else "import sys; from bench.cli import main; sys.exit(main())"
     command = [sys.executable, "-P", "-c", program, *map(str, typed)]
     done = subprocess.run(
@@ -85,7 +91,18 @@ def _made(place: Path, cases: Path, *typed: object, begun: bool = False) -> None
     )
     if done.returncode != 0:
         raise StorageError(f"expected `rvbench {typed[0]}` to make {place}, got: {done.stderr}")
-    (place / "made").write_text("")
+    (place / "made").write_text(code)
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    """Return a hash of all code of the house but the campaign's: another makes other folders."""
+    digest = hashlib.sha256()
+    for room in ("models", "renders", "pipelines", "bench"):
+        for path in sorted((HOUSE / room).rglob("*.py")):
+            if CAMPAIGN not in path.parents:
+                digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def write_said(pairs: Path) -> None:
