@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -61,7 +62,7 @@ def spoil(random: Generator, kind: Kind, folder: Path) -> Spoilt:
     return Spoilt(path, how, never_right=False)
 
 
-def _one_of(random: Generator, table: dict[str, object]) -> str:
+def _one_of(random: Generator, table: Mapping[str, object]) -> str:
     return list(table)[int(random.integers(len(table)))]
 
 
