@@ -23,8 +23,10 @@ from bench.campaign.hostile.verb_alone import Reached, no_heavy_work
 from bench.campaign.hostile.verdict import Heard, Verdict, judge
 
 DRAW = 1789  # what else the seed is for
-OURS: tuple[str, ...] = ("pairs/data/score.json", "pairs/data/report.html", "pairs/data/estimates/*",
-        "pairs/data/show/*", "pairs/store/*")  # fmt: skip
+OURS: tuple[str, ...] = (
+    "pairs/data/score.json", "pairs/data/report.html", "pairs/data/estimates/*",
+    "pairs/data/show/*", "pairs/store/*",
+)  # fmt: skip
 NAMES = (*(kind.name for kind in KINDS), COMMAND_LINE)
 
 
