@@ -41,6 +41,7 @@ WHAT_IS_KEPT = {
     "inspect": "each file is as it was before, or new and whole",
     "show": "the picture is as it was before, or new and whole",
     "store": "every entry that was not deleted is whole",
+    "status": "nothing was changed",
     "list": "nothing was changed",
     "doctor": "nothing was changed",
     "new": "what was written is whole",

@@ -18,6 +18,7 @@ from bench.random_dataset.parts import Part
 from bench.random_dataset.plan import Plan, make_plan
 from bench.random_dataset.progress import dataset_progress
 from bench.random_dataset.spec import read_spec
+from models.at_work import at_work
 from models.atomic_file import write_bytes, write_text
 from models.errors import ScenarioError
 from models.plain_console import plain_console
@@ -102,6 +103,13 @@ def make_dataset(request: DatasetRequest, console: Console | None = None) -> Dat
     check_cases(request.out, plan)
     asked = _asked(request, plan)
     begin(request.out, plan)
+    with at_work(request.out, "dataset"):
+        return _made(request, plan, asked, console)
+
+
+def _made(
+    request: DatasetRequest, plan: Plan, asked: Sequence[set[int]], console: Console
+) -> DatasetResult:
     write_bytes(request.out / COVERAGE, coverage(plan))
     cores, tasks = len(os.sched_getaffinity(0)), dict[Path, list[Task]]()
     workers, missing, variant = request.workers, 0, ""
