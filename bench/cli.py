@@ -28,6 +28,7 @@ from bench.scoring.verb import Score
 from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
+from bench.viewing.verb import View
 from models.errors import RvbenchError, ScenarioError
 
 COULD_NOT_RUN, NOBODY_READS = 2, 141
@@ -42,6 +43,7 @@ VERBS: dict[str, type[Any]] = {
     "score": Score,
     "compare": Compare,
     "report": verbs.Report,
+    "view": View,
     "show": verbs.Show,
     "inspect": Inspect,
     "export": Export,
