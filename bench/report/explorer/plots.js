@@ -132,7 +132,7 @@ function startPlots() {
     const x = own.uplot.valToPos(times[shown.place], "x");
     own.now.style.transform = `translateX(${x}px)`;
     own.now.hidden = !(x >= 0 && x <= own.uplot.over.clientWidth);
-    own.now.dataset.time = times[shown.place];
+    own.now.dataset.frame = data.frames[shown.place].frame;
     own.values.forEach((each, number) => {
       each.textContent = columns(own.plot.lines[number])
         .map((values) => digits(values[shown.place])).slice(0, own.plot.lines[number].upper ? 2 : 1)

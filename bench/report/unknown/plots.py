@@ -32,9 +32,10 @@ def plots(score: dict[str, Any]) -> list[TimePlot]:
         ]
 
     counts = [
-        TimeLine(f"{label}: {words}", label, "steps", values_of(score, label, key))
-        for label in labels
-        for key, words in (("tracks", "tracks"), ("used", "points of the shape"))
+        *(TimeLine(f"{label}: tracks", "", "steps", values_of(score, label, "tracks"))
+          for label in labels),
+        *(TimeLine(f"{label}: points of the shape", label, "steps", values_of(score, label, "used"))
+          for label in labels),
     ]
     return [
         errors("distance error", "m", range_m, motion("sigma_range_m")),
