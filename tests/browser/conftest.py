@@ -15,8 +15,10 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))
 FLAGS = ("--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader")  # fmt: skip
 STOPPED_MS = 600e3  # a page that has not answered by then never will, however busy the machine is
-SHOWS_IT = """frame => ['picture', 'scene'].map(name => document.getElementById(`explorer-${name}`))
-    .filter(home => !home.hidden).every(home => home.querySelector('canvas').dataset.frame === frame)
+SHOWS_IT = """frame =>
+  ['picture', 'scene'].map(name => document.getElementById(`explorer-${name}`))
+    .filter(home => !home.hidden)
+    .every(home => home.querySelector('canvas').dataset.frame === frame)
   && document.querySelectorAll('.now').length > 0
   && [...document.querySelectorAll('.now')].every(line => line.dataset.frame === frame)"""
 

@@ -178,5 +178,3 @@ PLAIN: dict[str, Callable[[Path], Path]] = {
     "sweep": sweep, "suite": suite, "leaderboard": leaderboard,
 }  # fmt: skip
 MAKERS = {**EXPLORED, **PLAIN}
-
-

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from bench.estimating.runs import found_runs, read_run
@@ -16,13 +17,13 @@ SIZES = (("position error of every run", "mm", 1e3, "position_m"),
          ("attitude error of every run", "deg", 1.0, "attitude_deg"))  # fmt: skip
 
 
-def other_runs(records: FrameRecords, labels: list[str]) -> dict[str, list[dict[str, Any]]]:
+def other_runs(records: FrameRecords, labels: Sequence[str]) -> dict[str, list[dict[str, Any]]]:
     """Return what each run but the first came to, by pipeline; empty where there is one alone.
 
     Parameters
     ----------
     records : FrameRecords
-    labels : list of str
+    labels : sequence of str
         Pipelines.
 
     Raises

@@ -32,15 +32,22 @@ def plots(score: dict[str, Any]) -> list[TimePlot]:
         ]
 
     counts = [
-        *(TimeLine(f"{label}: tracks", "", "steps", values_of(score, label, "tracks"))
-          for label in labels),
-        *(TimeLine(f"{label}: points of the shape", label, "steps", values_of(score, label, "used"))
-          for label in labels),
+        *(
+            TimeLine(f"{label}: tracks", "", "steps", values_of(score, label, "tracks"))
+            for label in labels
+        ),
+        *(
+            TimeLine(
+                f"{label}: points of the shape", label, "steps", values_of(score, label, "used")
+            )
+            for label in labels
+        ),
     ]
     return [
         errors("distance error", "m", range_m, motion("sigma_range_m")),
         errors(
-            "attitude error", "deg",
+            "attitude error",
+            "deg",
             lambda label: values_of(score, label, "attitude_error_deg"),
             motion("sigma_attitude_deg"),
         ),
