@@ -11,6 +11,10 @@ PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
 DEV := $(VENV)/.dev
 unexport PYTHONPATH PYTHONHOME
+# Byte code goes into our own environment, whatever is asked for elsewhere: without it each of the
+# hundreds of processes that the tests start compiles a thousand modules anew, three seconds each.
+unexport PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX := $(CURDIR)/$(VENV)/pycache
 
 .PHONY: help demo test check lint setup oracle speed grain judges kinematics browser libraries lock clean
 

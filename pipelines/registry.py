@@ -24,6 +24,7 @@ OURS = {
     "uncooperative": "pipelines.uncooperative.registered",
     "unknown_target": "pipelines.unknown_target.registered",
     "absolute": "pipelines.absolute.registered",
+    "integrated": "pipelines.integrated.registered",
 }
 """The module of each of ours; loaded when it is asked for."""
 

@@ -18,6 +18,7 @@ OURS = {
     "retroreflector_pairs": "bench.chains.retroreflector_pairs",
     "dot_images": "bench.chains.dot_images",
     "tumble_images": "bench.chains.tumble_images",
+    "navigated_images": "bench.chains.navigated_images",
     "unknown_images": "bench.chains.unknown_images",
     "posed_images": "bench.chains.posed_images",
     "absolute_navigation": "bench.chains.absolute_navigation",

@@ -129,6 +129,14 @@ class Tumble:
         """Return the chaser's true inertial position and velocity."""
         return self.orbit.state(self._within(time_s))
 
+    def chaser_state_beside(self, time_s: float) -> ChaserState:
+        """Return the chaser's state a shutter's time before the start or after the end."""
+        return self.orbit.state(time_s)
+
+    def inertial_from_lvlh(self, time_s: float) -> Floats:
+        """Return the (3, 3) rotation out of the chaser's local frame."""
+        return self.orbit.inertial_from_lvlh(time_s)
+
     def cam_from_target(
         self, time_s: float, cam_from_lvlh: RigidTransform = CAM_FROM_LVLH
     ) -> RigidTransform:

@@ -130,8 +130,11 @@ def _meet(triangles: Floats, ways: Floats, clear_m: float) -> Mask:
     corner = triangles[:, 0]
     first, second = triangles[:, 1] - corner, triangles[:, 2] - corner
     normal = np.cross(first, second)
-    across = np.stack([normal, np.cross(second, corner), np.cross(corner, first)], axis=-1)
-    volume, u, v = np.moveaxis(ways @ across, -1, 0)
+    across = (normal, np.cross(second, corner), np.cross(corner, first))
+    if len(ways) == 1:  # one product of matrices, not one for each triangle
+        volume, u, v = (each @ ways[0].T for each in across)
+    else:
+        volume, u, v = (np.einsum("fnk,fk->fn", ways, each) for each in across)
     # All are compared after multiplication by the volume's sign, so that nothing is divided.
     sign, size = np.sign(volume), np.abs(volume)
     u, v = sign * u, sign * v

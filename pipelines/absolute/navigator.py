@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 
@@ -70,6 +71,7 @@ class AbsoluteNavigator:
         self.state = state
         self.integrity = Integrity(len(state.vector))
         self._bodies = bodies if options.third_bodies else None
+        self._rate = np.zeros_like(state.vector[:, ATTITUDE])  # of the last turn, rad/s
         self._tracked: dict[int, int] = {}  # satellite to slot
         self._last_s: dict[int, float] = {}
         self._weights = UnscentedWeights(
@@ -127,9 +129,25 @@ class AbsoluteNavigator:
         vector = points[:, 0] + offset
         vector[:, ATTITUDE] = 0.0
         noise = process_noise_factor(self.options, interval.duration_s, force is not None)
+        self._rate = interval.turn_rad / interval.duration_s
         self.state = AbsoluteState(
             interval.time_s, vector, mean, predicted_factor(spread, noise, weights)
         )
+
+    def carried_to(self, time_s: float) -> AbsoluteState:
+        """Return the state at a time after the last record, turning on as it did; none is taken.
+
+        Parameters
+        ----------
+        time_s : float, s
+            Not later than a few sampling times; before the state's own it is given as it is.
+        """
+        span_s = time_s - self.state.time_s
+        if span_s <= SAME_TIME_S:
+            return self.state
+        ahead = copy(self)
+        ahead.propagate(InertialInterval(time_s, span_s, span_s * self._rate))
+        return ahead.state
 
     def take_gnss(self, epoch: GnssEpoch) -> None:
         """Correct the state by ranges and rates; signals below the mask are passed by."""

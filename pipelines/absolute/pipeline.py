@@ -19,6 +19,7 @@ from pipelines.absolute.error_state import (
     GYRO_BIAS,
     POSITION,
     VELOCITY,
+    AbsoluteState,
 )
 from pipelines.absolute.integrity import protection_levels_m
 from pipelines.absolute.knowledge import AbsoluteKnowledge
@@ -81,10 +82,11 @@ class AbsoluteNavigation:
                 frame.index, frame.time_s, reason=f"no turns for the last {behind_s:.1f} s"
             )
         mode = "in doubt" if self._navigator.integrity.doubts[0] else "navigating"
-        return Estimate(frame.index, frame.time_s, mode=mode, states=self._states())
+        states = self._states(self._navigator.carried_to(frame.time_s))
+        return Estimate(frame.index, frame.time_s, mode=mode, states=states)
 
-    def _states(self) -> dict[str, NamedState]:
-        state, integrity = self._navigator.state, self._navigator.integrity
+    def _states(self, state: AbsoluteState) -> dict[str, NamedState]:
+        integrity = self._navigator.integrity
         vector, covariance = state.vector[0], state.covariance[0]
         orbit = slice(POSITION.start, VELOCITY.stop)
         turn = slice(ATTITUDE.start, GYRO_BIAS.stop)

@@ -155,9 +155,8 @@ def centred(picture: Radiance) -> Radiance:
     return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-9))
 
 
-@lru_cache(maxsize=8)
 def view_sphere(wireframe: Wireframe, range_m: float, count: int) -> ViewSphere:
-    """Look at a target from all around; kept in memory.
+    """Look at a target from all around; kept in memory for every wireframe that is the same.
 
     Parameters
     ----------
@@ -167,6 +166,31 @@ def view_sphere(wireframe: Wireframe, range_m: float, count: int) -> ViewSphere:
     count : int
         From how many directions; 800 are about 8 deg apart.
     """
+    return _looked_at(_Same(wireframe), range_m, count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Same:
+    """A wireframe that equals another if its edges and faces do: one is read for each run."""
+
+    wireframe: Wireframe
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self._shape == other._shape
+
+    def __hash__(self) -> int:
+        return hash(self._shape)
+
+    @property
+    def _shape(self) -> tuple[bytes, ...]:
+        own = self.wireframe
+        arrays = (own.points_in_target, own.edges, own.triangles_in_target)
+        return tuple(np.ascontiguousarray(each).tobytes() for each in arrays)
+
+
+@lru_cache(maxsize=8)
+def _looked_at(target: _Same, range_m: float, count: int) -> ViewSphere:
+    wireframe = target.wireframe
     edges = ModelEdges(wireframe, MODEL_SAMPLES)
     half = 1.02 * wireframe.radius_m / np.sqrt(range_m**2 - wireframe.radius_m**2)
     focal = 0.5 * VIEW_PX / half

@@ -16,6 +16,7 @@ from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
 from pipelines.filters import h_infinity, kalman, minimum_energy, multiplicative_ekf
+from pipelines.filters.camera_mount import CameraMount
 from pipelines.filters.covariance_fault import covariance_fault, positive
 from pipelines.filters.minimum_energy import NoMinimumEnergy
 from pipelines.filters.multiplicative_ekf import RotationUpdate
@@ -101,7 +102,7 @@ class RelativeNavigation:
         inertia_kg_m2: Floats | None = None,
     ) -> None:
         self._options = options
-        self._cam_from_lvlh = cam_from_lvlh
+        self._mount = CameraMount(cam_from_lvlh)
         self._chaser_sigmas = (chaser_sigma_m, chaser_sigma_m_s)
         self._process = RotationProcess(options, inertia_kg_m2)
         self._translation: Floats | None = None
@@ -153,8 +154,17 @@ class RelativeNavigation:
         self._refused_in_row = 0
         return self._filtered()
 
-    def start_from_pose(self, found: Estimate, chaser: ChaserState) -> FilteredState:
+    def start_from_pose(
+        self, found: Estimate, chaser: ChaserState, mount: CameraMount | None = None
+    ) -> FilteredState:
         """Begin, or begin again, from a pose alone; the rates are unknown and taken as none.
+
+        Parameters
+        ----------
+        found : Estimate
+        chaser : ChaserState
+        mount : CameraMount, optional
+            As it is known at this instant, where that is better known than before flight.
 
         Raises
         ------
@@ -164,7 +174,7 @@ class RelativeNavigation:
         fault = _fault(found)
         if fault:
             raise ValueError(f"expected a pose to start from, got one with {fault}")
-        place, place_noise, attitude, turn_noise = self._measured(found)
+        place, place_noise, attitude, turn_noise = self._measured(found, mount)
         option = self._options
         translation = _diagonal(0.0, option.start_sigma_m_s)
         translation[:3, :3] = place_noise
@@ -216,11 +226,17 @@ class RelativeNavigation:
         self._time_s = time_s
         return self._filtered()
 
-    def update(self, found: Estimate) -> FilteredState:
+    def update(self, found: Estimate, mount: CameraMount | None = None) -> FilteredState:
         """Take in a pose of the time predicted to, if it agrees with the prediction.
 
         A pose refused, or one whose covariance is none, leaves the state as it was; ``reason``
         says why.
+
+        Parameters
+        ----------
+        found : Estimate
+        mount : CameraMount, optional
+            As for ``start_from_pose``.
 
         Raises
         ------
@@ -236,7 +252,7 @@ class RelativeNavigation:
         fault = _fault(found)
         if fault:
             return self._refused(f"the pose has {fault}")
-        place, place_noise, attitude, turn_noise = self._measured(found)
+        place, place_noise, attitude, turn_noise = self._measured(found, mount)
         moved, remark = self._translation_update(now, place, place_noise)
         turned = self._rotation_update(attitude, turn_noise)
         gate = self._options.gate
@@ -290,22 +306,14 @@ class RelativeNavigation:
             return multiplicative_ekf.update(self._rotation, attitude, noise)
         return minimum_energy.update(self._rotation, attitude, noise)
 
-    def _measured(self, found: Estimate) -> tuple[Floats, Floats, Floats, Floats]:
+    def _measured(
+        self, found: Estimate, mount: CameraMount | None
+    ) -> tuple[Floats, Floats, Floats, Floats]:
         """Return position and its noise in the local frame, attitude and its noise in target."""
         pose = found.pose
         if pose is None:
             raise ValueError(f"expected a pose to measure with, got none: {found.reason}")
-        covariance = pose.stated_covariance
-        lvlh_from_cam = self._cam_from_lvlh.inverse()
-        lvlh_from_target = lvlh_from_cam @ pose.cam_from_target
-        mount = lvlh_from_cam.rotation
-        target_from_cam = pose.cam_from_target.rotation.T
-        return (
-            lvlh_from_target.translation,
-            mount @ covariance[3:, 3:] @ mount.T,
-            lvlh_from_target.rotation,
-            target_from_cam @ covariance[:3, :3] @ target_from_cam.T,
-        )
+        return (mount or self._mount).measured(pose.cam_from_target, pose.stated_covariance)
 
     def _now(self) -> Floats:
         if self._translation is None:

@@ -16,6 +16,7 @@ from models.onboard import OnboardKnowledge, needed
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
+from pipelines.filters.camera_mount import CameraMount
 
 NAME = "uncooperative"
 
@@ -32,12 +33,15 @@ class PointFrame:
         Pixel centres are integers.
     chaser : ChaserState
         As the chaser's absolute navigation has it, errors and all.
+    mount : CameraMount, optional
+        By the attitude that is navigated; without it, as known before flight.
     """
 
     index: int
     time_s: float
     points_px: Floats
     chaser: ChaserState
+    mount: CameraMount | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +56,15 @@ class ImageFrame:
     image : (height, width) uint16 array, DN
     chaser : ChaserState
         As the chaser's absolute navigation has it, errors and all.
+    mount : CameraMount, optional
+        By the attitude that is navigated; without it, as known before flight.
     """
 
     index: int
     time_s: float
     image: Image
     chaser: ChaserState
+    mount: CameraMount | None = None
 
 
 Seen: TypeAlias = PointFrame | ImageFrame

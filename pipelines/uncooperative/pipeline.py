@@ -92,9 +92,10 @@ class Uncooperative:
         ValueError
             If time runs backwards.
         """
-        return self._processed(seen(frame))
+        return self.process_seen(seen(frame))
 
-    def _processed(self, frame: Seen) -> Estimate:
+    def process_seen(self, frame: Seen) -> Estimate:
+        """Estimate the state at one frame, as ``process`` does, of what it shows."""
         finder = self._finder(frame)
         if self._start is not None:
             self._navigation = self._filters()
@@ -115,7 +116,7 @@ class Uncooperative:
             return _said(found, None, "searching")
         self._navigation = self._filters()
         self._lost_frames, self._share = 0, 1.0
-        started = self._navigation.start_from_pose(found, frame.chaser)
+        started = self._navigation.start_from_pose(found, frame.chaser, frame.mount)
         return _said(found, started, "acquired")
 
     def _tracked(
@@ -125,14 +126,14 @@ class Uncooperative:
         navigation: RelativeNavigation,
         predicted: FilteredState,
     ) -> Estimate:
-        mount = self._knowledge.cam_from_lvlh
+        mount = self._mount(frame)
         guess = predicted.state.cam_from_target(mount)
         found = self._found(finder, frame, guess, predicted)
         if found.pose is not None:
             self._remember(finder.matched_share(frame, found))
             if self._share < self._least_share(frame):
                 return self._doubted(finder, frame, found, predicted)
-            predicted = navigation.update(found)
+            predicted = navigation.update(found, frame.mount)
             if predicted.used_pose:
                 self._lost_frames = 0
                 return _said(found, predicted, "tracked")
@@ -170,8 +171,11 @@ class Uncooperative:
         if not guess.translation[2] > 0.0:
             reason = "the predicted target is behind the camera"
             return Estimate(frame.index, frame.time_s, reason=reason, detections=Detections.none())
-        covariance = predicted.pose_covariance(self._knowledge.cam_from_lvlh)
+        covariance = predicted.pose_covariance(self._mount(frame))
         return finder.track(frame, guess, covariance)
+
+    def _mount(self, frame: Seen) -> RigidTransform:
+        return self._knowledge.cam_from_lvlh if frame.mount is None else frame.mount.cam_from_lvlh
 
     def _remember(self, share: float) -> None:
         weight = 1.0 / self._options.share_memory_frames

@@ -59,6 +59,7 @@ from renders.scenario.motion_choice import (
     times_of,
 )
 from renders.scenario.motion_tables import FrameTable, MotionKind, MotionTable
+from renders.scenario.navigation_tables import NavigationTable, check_navigation
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
 from renders.scenario.range_tables import RangeFinderTable, check_range_finder
@@ -150,6 +151,9 @@ class Scenario(Table):
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
     range_finder: RangeFinderTable | None = Field(None, description="along the boresight")
+    navigation: NavigationTable | None = Field(
+        None, description="the chaser's own, and both orbits in the real field"
+    )
     limits: LimitsTable = LimitsTable()  # type: ignore[call-arg]
     asked: AskedTable = AskedTable()  # type: ignore[call-arg]
     frame: FrameTable | None = Field(None, description="what a frame is")
@@ -308,6 +312,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_suns(scenario, where)
     check_tumble(scenario, where)
     check_range_finder(scenario, where)
+    check_navigation(scenario, where)
     check_frames(scenario, where)
     gap = ("the time between images", shortest_gap_ms(scenario))
     if scenario.frame_kind == "pairs":

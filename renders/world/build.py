@@ -10,12 +10,10 @@ import numpy as np
 from models.errors import ScenarioError
 from models.materials import BLACK, BandReflectance
 from models.motion.approach import Approach
-from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.table_motion import Stills, TableMotion
-from models.motion.tumble import CAM_FROM_LVLH, Tumble
+from models.motion.tumble import CAM_FROM_LVLH
 from models.onboard import FlightExpectations
 from models.sensors.range_finder import RangeFinder
-from models.sky.earth_pointing import rotation_from_wxyz
 from models.sky.sun_ephemeris import right_ascension_over
 from models.spacecraft.armed_chaser import armed_chaser
 from models.spacecraft.catalogue import spacecraft_by_name
@@ -55,17 +53,18 @@ from renders.world.exposure_plan import (
     Planned,
     TypedSchedule,
 )
+from renders.world.free_motion import chaser_tables, free_motion, own_navigation
 from renders.world.moving_sun import with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
+from renders.world.own_navigation import SensorsAboard
 from renders.world.range_readings import RangeReadings
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
-from renders.world.table_sensors import ChaserNavigation, TableSensor
+from renders.world.table_sensors import TableSensor
 from renders.world.trajectory import FreeMotion, Trajectory
 from renders.world.world import World
 
-SHORTEST_S = 1.0  # a motion of one frame lasts, too
 PAIRS, TUMBLES, POSED, DOTS = "retroreflector_pairs", "tumble_images", "posed_images", "dot_images"
-UNKNOWN = "unknown_images"
+UNKNOWN, NAVIGATED = "unknown_images", "navigated_images"
 
 
 def world_of(scenario: Scenario) -> World:
@@ -165,14 +164,15 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
 
     The chaser, tens of metres off, throws no shadow that reaches it and is left out.
     """
-    motion = _free_motion(scenario, table)
+    motion = free_motion(scenario, table)
     bodies, sensor = _bodies(scenario), single_camera(scenario)
     told, known = table.onboard, table.onboard.knows_target is not False
     wireframe = wireframe_of(scenario) if known else wireframe_if_any(scenario)
     share = scenario.pixel_scale**2
+    navigation = own_navigation(scenario, motion)
     return World(
         scenario=scenario,
-        chain=TUMBLES if known else UNKNOWN,
+        chain=_chain(known, navigation),
         bodies=bodies,
         trajectory=motion,
         sky=_sky(scenario, TurningWithOrbit(motion)),
@@ -196,17 +196,22 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
             drift=scenario.drift,
+            navigation=navigation,
         ),
         truth=OfLandmarks(motion, wireframe),
         checks=(outside_the_target, free_about_its_centre, centre_in_image, Sunlit(motion)),
         tables=(
-            ChaserNavigation(
-                motion, scenario.render.seed, told.chaser_sigma_m, told.chaser_sigma_m_s
-            ),
+            *chaser_tables(scenario, table, motion, navigation),
             *_range_finder(scenario, bodies, motion),
         ),
         absolute=motion,
     )
+
+
+def _chain(known: bool, navigation: SensorsAboard | None) -> str:
+    if navigation is not None:
+        return NAVIGATED
+    return TUMBLES if known else UNKNOWN
 
 
 def _range_finder(
@@ -344,17 +349,3 @@ def _plan(
             tuple(row[0] for row in rows), tuple(row[1] * share for row in rows)
         )
     return ExposurePlan(scenario.exposure, planned, share)
-
-
-def _free_motion(scenario: Scenario, table: TumbleTable) -> FreeMotion:
-    return FreeMotion(
-        Tumble(
-            KeplerOrbit.from_elements_deg(**table.orbit.model_dump()),
-            np.array(table.rho0_m),
-            np.array(table.rho_dot0_m_s),
-            np.deg2rad(table.omega0_deg_s),
-            np.array(table.inertia_kg_m2),
-            max(scenario.motion.end_s, SHORTEST_S),
-            rotation_from_wxyz(table.q_lvlh_from_target_wxyz),
-        )
-    )

@@ -18,6 +18,7 @@ from renders.scenario.drift_table import DriftTable
 from renders.scenario.told_tables import CalibrationTable, PriorTable, ToldTable
 from renders.world.arm_told import FirstPoseByArm, ToldArm
 from renders.world.bodies import Bodies
+from renders.world.own_navigation import SensorsAboard
 from renders.world.told import ToldClock, told
 from renders.world.trajectory import Trajectory
 
@@ -79,6 +80,8 @@ class BeforeFlight:
         The chaser's arm, where it moves.
     drift : DriftTable or None
         What lamps and lens have become; its sigmas are told.
+    navigation : SensorsAboard or None
+        The chaser's own sensors, and where their filter starts.
     """
 
     camera: Camera
@@ -92,6 +95,7 @@ class BeforeFlight:
     told: ToldTable | None = None
     arm: ToldArm | None = None
     drift: DriftTable | None = None
+    navigation: SensorsAboard | None = None
 
     def in_run(self, run: int) -> OnboardKnowledge:
         """Return what a run has on board: its own prior, and its own errors of all that is told.
@@ -122,7 +126,10 @@ class BeforeFlight:
             expectations=self.expectations,
             psf_sigma_px=self.psf_sigma_px,
             sigmas=drift_sigmas(self.drift, self.psf_sigma_px),
-            tables={} if self.arm is None else self.arm.tables(run),
+            tables={
+                **({} if self.arm is None else self.arm.tables(run)),
+                **({} if self.navigation is None else self.navigation.tables(run)),
+            },
         )
         return told(true, self.told, self.calibration, run)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.errors import ScenarioError
+from models.motion.perturbed_tumble import PerturbedTumble
 from models.motion.relative_state import ChaserState, RelativeState
 from models.motion.tumble import OVERTIME_S, Tumble
 from models.pose import RigidTransform
@@ -32,10 +33,10 @@ class FreeMotion:
 
     Attributes
     ----------
-    tumble : Tumble
+    tumble : Tumble or PerturbedTumble
     """
 
-    tumble: Tumble
+    tumble: Tumble | PerturbedTumble
 
     def cam_from_target(self, time_s: float) -> RigidTransform:
         """Return the true pose."""
@@ -61,7 +62,7 @@ class FreeMotion:
         """Return the chaser's true state in the orbit's inertial frame."""
         if self._end_beside(time_s) is None:
             return self.tumble.chaser_state(time_s)
-        return self.tumble.orbit.state(time_s)
+        return self.tumble.chaser_state_beside(time_s)
 
     def check_time(self, time_s: float) -> None:
         """Refuse an instant outside the motion.
@@ -77,7 +78,7 @@ class FreeMotion:
             )
 
     def _target_from_inertial(self, time_s: float) -> Floats:
-        inertial_from_lvlh = self.tumble.orbit.inertial_from_lvlh(time_s)
+        inertial_from_lvlh = self.tumble.inertial_from_lvlh(time_s)
         return (inertial_from_lvlh @ self.tumble.state(time_s).R_lvlh_from_target).T
 
     def _reflected(self, rotation: Callable[[float], Floats], time_s: float) -> Floats:

@@ -4,10 +4,8 @@ Every comparison is with a run that nothing interrupted, in another folder with 
 """
 
 import json
-import random
 import shutil
 import signal
-import time
 
 from bench.cli import main
 from models.atomic_file import MACHINE
@@ -20,18 +18,6 @@ from tests.support.whole_runs import (
     scratch_files,
     start,
 )
-
-MOST_RANDOM_S = 2.0  # from the first line of the run: its first exposures take about as long
-
-
-def kill_at_random(command: list[object]) -> int:
-    """Kill a run from outside, some time after it began to render; return its exit code."""
-    process = start(*command)
-    process.stderr.readline()
-    time.sleep(random.uniform(0.0, MOST_RANDOM_S))
-    process.kill()
-    process.communicate(timeout=TIME_LIMIT_S)
-    return process.returncode
 
 
 def test_a_run_killed_again_and_again_ends_as_if_never_killed(whole_run, tmp_path):
@@ -59,7 +45,6 @@ def test_a_run_killed_again_and_again_ends_as_if_never_killed(whole_run, tmp_pat
     assert not scratch_files(out, store)
     assert list(identities(frames)) == ["000000_800.png", "000000_850.png"]
 
-    assert kill_at_random(command) in (-signal.SIGKILL, 0)  # 0: it was done before
     killed = identities(frames, "[0-9]*.png")
     assert finished.items() <= killed.items()
 

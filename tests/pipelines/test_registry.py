@@ -91,6 +91,7 @@ def test_others_are_brought_by_their_packages(brought) -> None:
         "uncooperative",
         "unknown_target",
         "absolute",
+        "integrated",
         "silent",
     ]
     pipeline = registered_pipeline("silent")
@@ -126,6 +127,7 @@ def test_a_name_of_ours_is_not_taken_over_and_odd_names_are_left(brought) -> Non
         "uncooperative",
         "unknown_target",
         "absolute",
+        "integrated",
     ]
     assert registered_pipeline("chaser_fixed").make is not make_silent
 
@@ -134,7 +136,7 @@ def test_an_unknown_name_is_told_with_the_nearest(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
     with pytest.raises(
         ScenarioError,
-        match="unknown_target, absolute, silent, got 'silnet'; perhaps you meant silent",
+        match="absolute, integrated, silent, got 'silnet'; perhaps you meant silent",
     ):
         registered_pipeline("silnet")
 

@@ -13,6 +13,11 @@ from bench.report.table import Table, length, title_of
 from bench.report.time_plot import TimeLine, TimePlot, size_plots, values_of
 from bench.scoring.flights.judged_instants import ORBIT
 
+HONEST = (
+    "NEES over its degrees of freedom: 1 is honest. Beyond: instants at which an error was beyond "
+    "its protection level."
+)
+
 
 def report(given: ReportInput) -> ReportParts:
     """Return the page's parts."""
@@ -35,16 +40,15 @@ def report(given: ReportInput) -> ReportParts:
             Section(
                 "Errors over time",
                 figures=(Figure(svg_address(errors_over_time(given.score)), "Errors over time"),),
-                tables=(TitledTable("Errors by axis", _axes(given.score), wide=True),),
-                note="NEES over its degrees of freedom: 1 is honest. Beyond: instants at which an "
-                "error was beyond its protection level.",
+                tables=(TitledTable("Errors by axis", axes_table(given.score), wide=True),),
+                note=HONEST,
             )
         ],
-        plots=[*size_plots(given.score), *_axis_plots(given.score)],
+        plots=[*size_plots(given.score), *axis_plots(given.score)],
     )  # fmt: skip
 
 
-def _axis_plots(score: dict[str, Any]) -> list[TimePlot]:
+def axis_plots(score: dict[str, Any]) -> list[TimePlot]:
     """Plot the error along each axis with the protection level about it."""
     labels = [label for label, own in score["pipelines"].items() if "navigation" in own["parts"]]
     return [
@@ -67,7 +71,8 @@ def _axis_plots(score: dict[str, Any]) -> list[TimePlot]:
     ]  # fmt: skip
 
 
-def _axes(score: dict[str, Any]) -> Table:
+def axes_table(score: dict[str, Any]) -> Table:
+    """Return each pipeline's errors of orbit and attitude, and how honest it is."""
     rows = []
     for label, own in score["pipelines"].items():
         parts = own["parts"]

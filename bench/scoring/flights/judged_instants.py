@@ -123,10 +123,19 @@ def judge_run(run: Run, truth: Mapping[int, TrueInstant]) -> list[JudgedInstant]
     run : Run
     truth : mapping of int to TrueInstant
     """
-    return [_judged(run.number, run.estimates[index], truth[index]) for index in truth]
+    return [judged_instant(run.number, run.estimates[index], truth[index]) for index in truth]
 
 
-def _judged(number: int, said: Estimate, was: TrueInstant) -> JudgedInstant:
+def judged_instant(number: int, said: Estimate, was: TrueInstant) -> JudgedInstant:
+    """Hold one estimate against the truth.
+
+    Parameters
+    ----------
+    number : int
+        Of the run.
+    said : Estimate
+    was : TrueInstant
+    """
     states = said.states
     if ORBIT not in states or ATTITUDE not in states:
         reason = (

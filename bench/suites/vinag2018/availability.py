@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.suites.units import Outcome
 from bench.suites.vinag2018.cases import Case
-from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight import flight_of
 from models.gnss.signal_path import OPAQUE_HEIGHT_M, lowest_height_m
 
 STEP_S = 60.0
@@ -46,7 +46,7 @@ def availability(task: AvailabilityTask) -> Outcome:
         sensitivity; ``used``, above the mask too, (n,) each. Seconds of one core.
     """
     began = time.process_time()
-    flight = Flight(task.case, task.duration_s)
+    flight = flight_of(task.case, task.duration_s)
     times_s = np.arange(STEP_S, task.duration_s + 0.5, STEP_S)
     received = flight.reception(times_s)
     places = flight.orbit.states(times_s)[:, None, :3]

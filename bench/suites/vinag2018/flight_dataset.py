@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from bench.scoring.flights.judged_instants import TRUTH
-from bench.suites.vinag2018.faults import Faults
-from bench.suites.vinag2018.flight import EPOCH, Flight
-from bench.suites.vinag2018.sensing import Sensors, sensed
-from bench.suites.vinag2018.true_motion import RealMotion
+from bench.suites.vinag2018.cases import Case
+from bench.suites.vinag2018.flight import EPOCH, flight_of
 from models.atomic_file import write_text
 from models.dataset.description import DatasetInfo, Stream, info_to_json
 from models.dataset.frame_table import FrameEntry, frames_to_csv
@@ -24,6 +22,10 @@ from models.navigation_tables import COLUMNS, table_of
 from models.onboard import OnboardKnowledge
 from models.sensors.inertial_unit import InertialUnit
 from models.sensors.star_sensor import StarSensor
+from renders.flight.faults import Faults
+from renders.flight.flight import Flight
+from renders.flight.sensing import Sensors, sensed
+from renders.flight.true_motion import RealMotion
 
 CHAIN = "absolute_navigation"
 FILES = {"gnss": "gnss.csv", "inertial": "inertial.csv", "star_attitude": "star_attitude.csv"}
@@ -31,14 +33,17 @@ OFF_M, OFF_M_S = 300.0, 0.3  # on each axis, of the start that is told
 TABLE = "absolute.toml"
 
 
-def write_flight(folder: Path, flight: Flight, seed: int = 0, faults: Faults | None = None) -> Path:
+def write_flight(
+    folder: Path, case: Case, duration_s: float, seed: int = 0, faults: Faults | None = None
+) -> Path:
     """Write a dataset with a frame a second; ``dataset.json`` last.
 
     Parameters
     ----------
     folder : Path
         Made if needed.
-    flight : Flight
+    case : Case
+    duration_s : float, s
     seed : int
         Of all noise.
     faults : Faults, optional
@@ -53,7 +58,7 @@ def write_flight(folder: Path, flight: Flight, seed: int = 0, faults: Faults | N
     StorageError
         If it cannot be written.
     """
-    case = flight.case
+    flight = flight_of(case, duration_s)
     sensors = Sensors(
         InertialUnit(),
         StarSensor(),
@@ -74,7 +79,7 @@ def write_flight(folder: Path, flight: Flight, seed: int = 0, faults: Faults | N
             entries.append(FrameEntry(index, was.time_s))
             numbers = [*was.motion[0, :6].tolist(), *was.q_inertial_from_body_wxyz.tolist()]
             truth.append(",".join([str(index), repr(was.time_s), *map(repr, numbers)]))
-    onboard = onboard_texts(OnboardKnowledge(tables={TABLE: _start(flight)}))
+    onboard = onboard_texts(OnboardKnowledge(tables={TABLE: _start(flight, case.regime)}))
     info = DatasetInfo(
         case=f"vinag-{case.key}",
         sun="by date",
@@ -97,10 +102,10 @@ def write_flight(folder: Path, flight: Flight, seed: int = 0, faults: Faults | N
     return folder
 
 
-def _start(flight: Flight) -> dict[str, object]:
+def _start(flight: Flight, regime: str) -> dict[str, object]:
     first = flight.orbit.states(np.zeros(1))[0]
     return {
-        "regime": flight.case.regime,
+        "regime": regime,
         "epoch": EPOCH,
         "position_m": (first[:3] + OFF_M).tolist(),
         "velocity_m_s": (first[3:] + OFF_M_S).tolist(),

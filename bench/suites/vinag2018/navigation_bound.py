@@ -20,7 +20,7 @@ import numpy as np
 
 from bench.suites.units import Outcome
 from bench.suites.vinag2018.cases import Case
-from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight import flight_of
 from models.arrays import Floats, Indices
 from models.gnss.range_errors import RangeErrors
 from models.gnss.tracking_noise import TrackingLoops
@@ -30,6 +30,7 @@ from pipelines.absolute.dynamics import process_noise_factor
 from pipelines.absolute.error_state import ATTITUDE, CLOCK, GYRO_BIAS
 from pipelines.absolute.navigator import start_sigmas
 from pipelines.absolute.options import AbsoluteOptions, absolute_options_for
+from renders.flight.flight import Flight
 
 STEP_S, BLOCK_S = 1.0, 1000
 ORBIT = [*range(9), CLOCK.start, CLOCK.start + 1]
@@ -73,7 +74,7 @@ def bound(task: BoundTask) -> Outcome:
     """
     began = time.process_time()
     options = absolute_options_for(task.variant, task.case.regime)
-    flight = Flight(task.case, task.duration_s)
+    flight = flight_of(task.case, task.duration_s)
     errors = RangeErrors(ionosphere_m=task.case.ionosphere_m, correlated=task.correlated)
     orbit = OrbitBound(flight, options, errors)
     turn = _attitude_bounds(

@@ -10,11 +10,9 @@ import numpy as np
 
 from bench.suites.units import Outcome
 from bench.suites.vinag2018.cases import Case
-from bench.suites.vinag2018.faults import Faults
-from bench.suites.vinag2018.flight import Flight
-from bench.suites.vinag2018.sensing import Sensors, TrueInstant, sensed
+from bench.suites.vinag2018.flight import flight_of
 from bench.suites.vinag2018.star_images import ImagedStars
-from bench.suites.vinag2018.true_motion import ModelledMotion, RealMotion, TrueMotion
+from bench.suites.vinag2018.true_motion import ModelledMotion
 from models.arrays import Floats
 from models.gnss.range_errors import RangeErrors
 from models.gnss.receiver_clock import ReceiverClock
@@ -35,6 +33,10 @@ from pipelines.absolute.error_state import (
 )
 from pipelines.absolute.navigator import AbsoluteNavigator, start_sigmas, started_from
 from pipelines.absolute.options import AbsoluteOptions, absolute_options_for
+from renders.flight.faults import Faults
+from renders.flight.flight import Flight
+from renders.flight.sensing import Sensors, TrueInstant, sensed
+from renders.flight.true_motion import RealMotion, TrueMotion
 
 ORBIT = (0, 1, 2, 3, 4, 5, 15, 16)
 TURN = (9, 10, 11, 12, 13, 14)
@@ -105,7 +107,7 @@ def navigate(task: NavigationTask) -> Outcome:
     options = absolute_options_for(task.variant, task.case.regime, task.correlated)
     if not task.mask:
         options = replace(options, mask_height_m=-np.inf)
-    flight = Flight(task.case, task.duration_s)
+    flight = flight_of(task.case, task.duration_s)
     imaged = None
     if task.star_pixels:
         key = (task.seed, *task.runs)

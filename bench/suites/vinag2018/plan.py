@@ -6,10 +6,13 @@ import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cache
 
+from bench.suites.pesce2019.cases import case as relative_case
+from bench.suites.pesce2019.plan import start_errors, tracking_noise
 from bench.suites.units import WorkUnit
 from bench.suites.vinag2018.availability import AvailabilityTask, availability
 from bench.suites.vinag2018.cases import CASES, GAINS_DBI, GEO, LEO, Case
-from bench.suites.vinag2018.faults import Faults
+from bench.suites.vinag2018.chain_run import CASE as CHAIN_CASE
+from bench.suites.vinag2018.chain_run import CHASERS, NAVIGATED, TRUE, ChainTask, follow
 from bench.suites.vinag2018.navigation_bound import BoundTask, bound
 from bench.suites.vinag2018.navigation_run import NavigationTask, navigate
 from bench.suites.vinag2018.star_plan import PIXELS, star_options_text, survey_units
@@ -20,10 +23,12 @@ from models.gravity import field as gravity_field
 from models.motion.clohessy_wiltshire import mean_motion
 from models.reading.options import check_option
 from pipelines.absolute.options import VARIANTS, absolute_options_for
+from pipelines.uncooperative.options import options_for
+from renders.flight.faults import Faults
 
 PARTS = (
     "leo", "geo", "model", "lasting", "mask", "faults", "sampling", "availability", "stars",
-    "dataset",
+    "chain", "dataset",
 )  # fmt: skip
 DATASET_S = 600.0  # of the flight that is written as a dataset
 CHUNK = 10  # runs of one unit, one batch
@@ -40,6 +45,7 @@ FAULTS = {
 # Seconds on one core of 2025 that a frame takes before any was timed here: of a run, of a frame.
 FRAME_S, FRAME_OF_RUN_S, LASTING_TIMES, BOUND_S = 0.8e-3, 1.0e-4, 8.0, 2.5e-4
 STAR_FRAME_S = 0.4
+CHAIN_FRAME_S = {NAVIGATED: 0.05, TRUE: 0.03}
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,8 @@ class Sizes:
         Runs whose star sensor is a camera, its frames rendered one by one.
     star_flight_s : float, s
         How long they last.
+    chain_s : float, s
+        How long a target is followed by a chaser that navigates for itself.
     seed : int
     """
 
@@ -75,6 +83,7 @@ class Sizes:
     acquisitions: int = 1000
     star_flights: int = 2
     star_flight_s: float = 600.0
+    chain_s: float = 1200.0
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -103,6 +112,7 @@ QUICK = Sizes(
     acquisitions=100,
     star_flights=1,
     star_flight_s=120.0,
+    chain_s=300.0,
 )
 
 
@@ -224,7 +234,36 @@ class Plan:
         if "stars" in self.parts:
             for sky in SKIES:
                 found.update({unit.name: unit for unit in self.surveyed(sky)})
+        if "chain" in self.parts:
+            for variant in VARIANTS:
+                for chaser in CHASERS:
+                    found.update({each.name: each for each in self.chained(variant, chaser)})
         return list(found.values())
+
+    def chained(self, variant: str, chaser: str) -> list[WorkUnit]:
+        """Return the units of a variant's runs with one kind of chaser, one each."""
+        span_s = min(self.sizes.chain_s, self.sizes.span_s(LEO))
+        options = f"{options_text(variant, LEO.regime, False)} {options_for(variant)!r}"
+        return [
+            WorkUnit(
+                name=f"chain/{span_s:.0f}s/{chaser}/{variant}/run_{run:04d}",
+                work=follow,
+                task=ChainTask(
+                    scenario=CHAIN_CASE.read_text(),
+                    chaser=chaser,
+                    variant=variant,
+                    options=options,
+                    noise=tracking_noise(),
+                    start=start_errors(relative_case("vinag")),
+                    seed=self.sizes.seed,
+                    run=run,
+                    span_s=span_s,
+                ),
+                kind=f"chain, {variant}, chaser {chaser}",
+                expected_s=span_s * CHAIN_FRAME_S[chaser],
+            )
+            for run in range(self.sizes.seeds)
+        ]
 
     def surveyed(self, sky: str) -> list[WorkUnit]:
         """Return the units of the attitudes under a sky."""

@@ -10,6 +10,8 @@ import numpy as np
 from bench.suites.units import Outcome, done_outcome
 from bench.suites.vinag2018.availability import STATES
 from bench.suites.vinag2018.cases import CASES, Case
+from bench.suites.vinag2018.chain_results import Chained, chained
+from bench.suites.vinag2018.chain_run import CHASERS
 from bench.suites.vinag2018.plan import Cell, Plan
 from bench.suites.vinag2018.star_results import Surveyed, surveyed
 from bench.suites.vinag2018.star_survey import SKIES
@@ -20,6 +22,7 @@ from bench.suites.vinag2018.summaries import (
     flight_summary,
     stacked,
 )
+from pipelines.absolute.options import VARIANTS
 
 LAST_S = 100.0  # of a flight with a fault: well after it
 UNBOUNDED = ("mask", "stars")  # parts whose flights have no bound of their own
@@ -108,6 +111,7 @@ class Results:
     faults: tuple[FaultOutcome, ...]
     sampled: Sampled | None
     surveyed: tuple[Surveyed, ...]
+    chained: tuple[Chained, ...] = ()
 
 
 class Outcomes:
@@ -162,6 +166,18 @@ class Outcomes:
             else (),
             sampled=self._sampled() if "sampling" in parts else None,
             surveyed=tuple(map(self._surveyed, SKIES)) if "stars" in parts else (),
+            chained=self._chained() if "chain" in parts else (),
+        )
+
+    def chain(self, variant: str, chaser: str) -> list[Outcome]:
+        """Return the runs of a variant with one kind of chaser."""
+        return [done_outcome(self.folder, each) for each in self.plan.chained(variant, chaser)]
+
+    def _chained(self) -> tuple[Chained, ...]:
+        return tuple(
+            chained(variant, chaser, self.chain(variant, chaser))
+            for variant in VARIANTS
+            for chaser in CHASERS
         )
 
     def _surveyed(self, sky: str) -> Surveyed:

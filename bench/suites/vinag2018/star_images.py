@@ -13,13 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.suites.vinag2018.flight import EPOCH, Flight
 from models.arrays import Floats
 from models.navigation_records import StarAttitude
 from models.sensors.star_camera import StarCamera
 from models.sky.aberration import earth_velocity_m_s
-from models.sky.sun_ephemeris import epoch_of
 from pipelines.star_attitude.star_sensor import StarSensor
+from renders.flight.flight import Flight
 from renders.star_images.star_frame import star_frame
 from renders.star_images.star_view import EarthView, StarView, moon_disc, sun_disc
 
@@ -92,7 +91,7 @@ class ImagedStars:
         return StarView(
             (inertial_from_body @ self.sensor.body_from_cam).T,
             self.sensor.body_from_cam.T @ rate,
-            earth_velocity_m_s(epoch_of(EPOCH), time_s) + state[3:],
+            earth_velocity_m_s(self.flight.epoch, time_s) + state[3:],
             (sun_disc(sun), moon_disc(moon_m - state[:3], sun)),
             EarthView(-state[:3], sun),
         )

@@ -16,7 +16,6 @@ from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import LIBRARIES
 from bench.suites.vinag2018.cases import CASES, LEO
-from bench.suites.vinag2018.flight import Flight
 from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.vinag2018.page import write_suite_page
 from bench.suites.vinag2018.plan import DATASET_S, PARTS, QUICK, Plan, Sizes, options_text
@@ -66,7 +65,7 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     folder = out / "units"
     do_units(plan.units(), folder, workers, console)
     if "dataset" in plan.parts and not (out / DATASET / "dataset.json").is_file():
-        write_flight(out / DATASET, Flight(LEO, DATASET_S), plan.sizes.seed)
+        write_flight(out / DATASET, LEO, DATASET_S, plan.sizes.seed)
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
     settings = _settings(plan)
@@ -105,7 +104,25 @@ def _summary(results: Results) -> list[list[str]]:
                     number(own.flight.attitude_deg, 2),
                 ]
             )
-    return rows + _star_rows(results)
+    return rows + _star_rows(results) + _chain_rows(results)
+
+
+def _chain_rows(results: Results) -> list[list[str]]:
+    """Return a line for each variant with a chaser that navigates, and with one that knows."""
+    rows = []
+    if results.chained:
+        rows.append(["chain", "position, mm", "lost", "NEES, position", "attitude, deg"])
+    for own in results.chained:
+        rows.append(
+            [
+                f"{own.variant}, chaser {own.chaser}",
+                number(1e3 * own.position_m),
+                number(own.lost),
+                number(own.nees_translation),
+                number(own.attitude_deg, 2),
+            ]
+        )
+    return rows
 
 
 def _star_rows(results: Results) -> list[list[str]]:

@@ -237,7 +237,7 @@ def test_bits_are_guessed_from_the_largest_number(largest, bits):
 @pytest.fixture
 def images(tmp_path) -> tuple[SyntheticImages, Path]:
     """Write the images of a synthetic tumble under names of their own, and what is known beside."""
-    dataset = write_images(tmp_path / "data", 3)
+    dataset = write_images(tmp_path / "data", 1, start_s=100.0, width_px=128)
     folder = tmp_path / "images"
     folder.mkdir()
     for path in sorted((dataset.folder / "frames").glob("*.png")):

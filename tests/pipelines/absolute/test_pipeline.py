@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from bench.suites.vinag2018.cases import LEO
-from bench.suites.vinag2018.faults import Faults
-from bench.suites.vinag2018.flight import EPOCH, Flight
-from bench.suites.vinag2018.sensing import Sensors, sensed
-from bench.suites.vinag2018.true_motion import RealMotion
+from bench.suites.vinag2018.flight import EPOCH, flight_of
 from models.errors import DatasetError
 from models.frame import Frame, TableReading
 from models.gnss.range_errors import RangeErrors
@@ -22,9 +19,12 @@ from models.sensors.inertial_unit import InertialUnit
 from models.sensors.star_sensor import StarSensor
 from pipelines.absolute.pipeline import INTEGRITY, ORBIT, TURN
 from pipelines.registry import registered_pipeline
+from renders.flight.faults import Faults
+from renders.flight.sensing import Sensors, sensed
+from renders.flight.true_motion import RealMotion
 
 SPAN_S = 40.0
-FLIGHT = Flight(replace(LEO, degree=4), SPAN_S)
+FLIGHT = flight_of(replace(LEO, degree=4), SPAN_S)
 
 
 def start() -> dict[str, object]:

@@ -7,14 +7,13 @@ import pytest
 
 from bench.cli import main
 from bench.suites.vinag2018.cases import LEO
-from bench.suites.vinag2018.flight import Flight
 from bench.suites.vinag2018.flight_dataset import write_flight
 
 
 @pytest.fixture(scope="module")
 def scored(tmp_path_factory):
     folder = tmp_path_factory.mktemp("flight") / "leo"
-    write_flight(folder, Flight(replace(LEO, degree=4), 30.0))
+    write_flight(folder, replace(LEO, degree=4), 30.0)
     for verb in ("estimate", "score", "report"):
         assert main([verb, str(folder)]) in (0, None)
     return folder

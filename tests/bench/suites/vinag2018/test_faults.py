@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from bench.suites.vinag2018.cases import LEO
-from bench.suites.vinag2018.faults import Faults
-from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight import flight_of
 from bench.suites.vinag2018.navigation_run import NavigationTask, navigate
 from bench.suites.vinag2018.plan import FAULT_S, LIAR
+from renders.flight.faults import Faults
 
 CASE = replace(LEO, degree=8)
 RUNS = 3
@@ -30,7 +30,7 @@ def sizes_m(values) -> np.ndarray:
 
 def test_the_liar_of_the_suite_is_tracked_while_it_lies():
     times_s = np.arange(200.0, 500.0, 20.0)
-    assert Flight(LEO, FAULT_S).reception(times_s).tracked[:, LIAR].all()
+    assert flight_of(LEO, FAULT_S).reception(times_s).tracked[:, LIAR].all()
 
 
 def test_a_lying_satellite_is_named_and_left_out():

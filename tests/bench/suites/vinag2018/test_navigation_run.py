@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.suites.vinag2018.cases import GEO, LEO
-from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight import flight_of
 from bench.suites.vinag2018.navigation_bound import BoundTask, bound
 from bench.suites.vinag2018.navigation_run import NavigationTask, navigate
 from bench.suites.vinag2018.summaries import bound_summary, flight_summary
@@ -64,7 +64,7 @@ def test_a_run_is_the_same_in_any_company(modelled):
 def test_without_the_mask_ionospheric_outliers_return():
     """In GEO with 9 dBi, while a ray grazes the layer: what the mask leaves out is metres off."""
     case, span_s = replace(GEO, gain_dbi=9.0, record_s=1.0), 240.0
-    flight = Flight(case, span_s)
+    flight = flight_of(case, span_s)
     received = flight.reception(np.arange(10.0, span_s, 10.0))
     low = received.tracked & (received.lowest_height_m < 6e5)
     assert low.any(axis=1).mean() > 0.5
@@ -90,14 +90,14 @@ def test_lasting_errors_are_estimated_as_well_as_they_can_be():
 
 
 def test_a_flight_may_manoeuvre():
-    quiet = Flight(SMOOTH, 200.0)
-    pushed = Flight(SMOOTH, 200.0, (Manoeuvre(50.0, 100.0, (0.0, 0.01, 0.0)),))
+    quiet = flight_of(SMOOTH, 200.0)
+    pushed = flight_of(SMOOTH, 200.0, (Manoeuvre(50.0, 100.0, (0.0, 0.01, 0.0)),))
     apart = pushed.orbit.states(np.array([200.0])) - quiet.orbit.states(np.array([200.0]))
     assert np.linalg.norm(apart[0, 3:]) == pytest.approx(0.5, rel=0.1)
 
 
 def test_sun_and_moon_stand_between_their_knots():
-    flight = Flight(SMOOTH, 2000.0)
+    flight = flight_of(SMOOTH, 2000.0)
     at, beside = flight.bodies(600.0), flight.bodies(600.0 - 1e-6)
     for one, other in zip(at, beside, strict=True):
         assert one == pytest.approx(other, rel=1e-9)

@@ -8,7 +8,7 @@ import pytest
 
 from bench.suites.units import Outcome
 from bench.suites.vinag2018.cases import GEO, LEO
-from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight import flight_of
 from bench.suites.vinag2018.navigation_run import NavigationTask, navigate
 from bench.suites.vinag2018.plan import Plan, Sizes
 from bench.suites.vinag2018.star_images import ImagedStars
@@ -57,7 +57,7 @@ def test_the_orbit_does_not_know_how_stars_were_seen(on_images):
 
 def test_a_record_is_the_attitude_with_an_honest_covariance():
     """GEO, ten frames, in body axes: 30 squares, whose mean is known to 26 %."""
-    flight = Flight(replace(GEO, degree=2), 600.0)
+    flight = flight_of(replace(GEO, degree=2), 600.0)
     stars = ImagedStars(flight, star_camera(PIXELS), (4, 0))
     squares = []
     for time_s in np.linspace(50.0, 500.0, 10).tolist():
@@ -74,7 +74,7 @@ def test_a_record_is_the_attitude_with_an_honest_covariance():
 
 def test_a_camera_that_sees_nothing_gives_no_record():
     """The Earth across the whole field: a refusal, and the filter goes on by its gyroscopes."""
-    flight = Flight(SMOOTH, 60.0)
+    flight = flight_of(SMOOTH, 60.0)
     down = replace(star_camera(PIXELS), boresight_in_body=(0.0, 0.0, 1.0))
     stars = ImagedStars(flight, down, (0, 0))
     true = flight.attitude.quaternions(np.array([10.0]))[0]

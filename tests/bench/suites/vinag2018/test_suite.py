@@ -45,7 +45,7 @@ def test_after_a_stop_it_writes_the_same(done, tmp_path):
     units = PLAN.units()
     for unit in units[::5]:
         outcome_path(out / "units", unit).unlink()
-    run_plan(PLAN, out, 2, QUIET)
+    run_plan(PLAN, out, 1, QUIET)
     assert document(out) == document(done)
 
 

@@ -45,7 +45,7 @@ def test_after_a_stop_it_writes_the_same(done, tmp_path):
     before = {unit.name: outcome_path(done / "units", unit).read_bytes() for unit in gone}
     for unit in gone:
         outcome_path(out / "units", unit).unlink()
-    run_plan(part, out, 2, QUIET)
+    run_plan(part, out, 1, QUIET)
     assert document(out)["parts"]["paper"] == document(done)["parts"]["paper"]
     for unit in gone:
         assert outcome_path(out / "units", unit).read_bytes() == before[unit.name]

@@ -7,13 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from bench.suites.vinag2018.faults import Faults
-from bench.suites.vinag2018.flight import Flight
-from bench.suites.vinag2018.star_images import ImagedStars
-from bench.suites.vinag2018.true_motion import TrueMotion
 from models.arrays import Floats
 from models.gnss.range_errors import LastingErrors, RangeErrors
 from models.gnss.receiver_clock import ReceiverClock
@@ -28,10 +25,32 @@ from models.navigation_records import (
 )
 from models.sensors.inertial_unit import DEG_H, InertialUnit
 from models.sensors.star_sensor import StarSensor
+from renders.flight.faults import Faults
+from renders.flight.flight import Flight
+from renders.flight.true_motion import TrueMotion
 
 BLOCK_S = 100.0
 GRAZING_M = 1_000_000.0  # what passes below it on its way to a high orbit meets the ionosphere
 CLOCK, BIAS, STARS, GYRO, RANGES, MOTION, LASTING, TURN_ON = range(8)
+
+
+class StarImager(Protocol):
+    """A star sensor that takes images and finds an attitude in them, for one run."""
+
+    def attitude(
+        self, time_s: float, q_inertial_from_body_wxyz: Floats, measured_rate: Floats
+    ) -> StarAttitude | None:
+        """Return what it makes of one frame; None if it refuses it.
+
+        Parameters
+        ----------
+        time_s : float, s
+        q_inertial_from_body_wxyz : (4,) array
+            True.
+        measured_rate : (3,) array, rad/s
+            By the gyroscopes, body axes.
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -48,7 +67,7 @@ class Sensors:
     faults : Faults
     each_sample : bool
         Whether every sample of the gyroscopes is a record, or their sum between star frames.
-    images : ImagedStars or None
+    images : StarImager or None
         The star sensor as a camera, in place of ``stars``, whose rate stays; for one run at a time.
     """
 
@@ -59,7 +78,7 @@ class Sensors:
     clock: ReceiverClock
     faults: Faults
     each_sample: bool = False
-    images: ImagedStars | None = None
+    images: StarImager | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,1 @@
+"""The page of a chaser that navigates for itself before its target."""

@@ -1,0 +1,1 @@
+"""Absolute navigation that feeds relative navigation: one unit, two filters, one estimate."""
