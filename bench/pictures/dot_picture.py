@@ -27,7 +27,7 @@ def colour_signal(record: FrameRecord) -> Floats:
 
 
 def signals(record: FrameRecord) -> dict[str, Floats]:
-    """Return a frame's image by its name, see ``colour_signal``."""
+    """Return a frame's image by its name, (height, width, 3), see ``colour_signal``."""
     return {"colour": colour_signal(record)}
 
 

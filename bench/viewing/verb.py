@@ -31,7 +31,13 @@ class View:
     """a scored dataset, or the folder of a sweep, a suite or a comparison; or a page itself"""
 
     def run(self) -> int:
-        """Open it."""
+        """Open it.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no browser.
+        """
         page = page_of(self.folder).resolve()
         print(f"page: {page}", flush=True)
         if not webbrowser.open(page.as_uri()):

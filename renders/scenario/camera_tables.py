@@ -31,9 +31,7 @@ class CameraTable(Table):
     file: Name | None = Field(
         None, description="a camera.toml beside the scenario, for the keys of a camera of your own"
     )
-    width: int = Field(
-        2048, ge=64, le=8192, description="columns; the field of view stays; a preset's own"
-    )
+    width: int = Field(2048, ge=64, le=8192, description="columns; the field of view stays")
     height: int | None = Field(None, ge=16, le=8192, description="rows, of a camera of your own")
     fx: float | None = Field(None, ge=1, le=1e6, description="focal length, px of the width typed")
     fy: float | None = Field(None, ge=1, le=1e6, description="fx where left out")
