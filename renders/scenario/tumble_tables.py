@@ -21,7 +21,6 @@ Speed = Annotated[float, Field(ge=-1000, le=1000)]
 Rate = Annotated[float, Field(ge=-360, le=360)]
 Moment = Annotated[float, Field(ge=-1e9, le=1e9)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Field(strict=False)]
-SUN_SIGMA_DEG = 0.3  # of a coarse attitude: the ephemeris itself is nearly exact
 UNIT_TOLERANCE = 1e-3  # a quaternion typed with four digits is one
 NO_EFFECT: dict[str, tuple[str, ...] | None] = {
     "lamps": None,
@@ -61,11 +60,12 @@ class OnboardTable(Table):
     )
     knows_inertia: bool = Field(True, description="whether the filters get the target's inertia")
     range_m: Numbers = Field((), description="nearest and farthest, if any is known")
-    sun_sigma_deg: float = Field(
-        SUN_SIGMA_DEG,
+    sun_sigma_deg: float | None = Field(
+        None,
         ge=0,
         le=180,
-        description="per axis, of the Sun's direction on board: drawn in every run, and told",
+        description="per axis, of the Sun's direction on board, drawn in every run; left out, the "
+        "Sun is not told, and starts know nothing of it",
     )
     knows_target: bool | None = Field(
         None,

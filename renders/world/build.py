@@ -192,8 +192,12 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
                 inertia_kg_m2=(
                     np.array(table.inertia_kg_m2) if known and told.knows_inertia else None
                 ),
-                sun_dir_in_inertial=inertial_sun(scenario, sky.sun, scenario.motion.start_s),
-                sun_sigma_deg=told.sun_sigma_deg,
+                sun_dir_in_inertial=(
+                    None
+                    if told.sun_sigma_deg is None
+                    else inertial_sun(scenario, sky.sun, scenario.motion.start_s)
+                ),
+                sun_sigma_deg=told.sun_sigma_deg or 0.0,
             ),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,

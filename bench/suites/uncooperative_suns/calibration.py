@@ -23,7 +23,13 @@ from tyro.conf import Positional
 
 from bench.scoring.tumble.navigation_errors import symmetric_attitude_deg
 from bench.suites.spread import do_units
-from bench.suites.uncooperative_suns.cases import SUNS, MotionTask, draw_motion, told_sun
+from bench.suites.uncooperative_suns.cases import (
+    SUN_SIGMA_DEG,
+    SUNS,
+    MotionTask,
+    draw_motion,
+    told_sun,
+)
 from bench.suites.uncooperative_suns.frames import known_of
 from bench.suites.uncooperative_suns.plan import Plan, Sizes
 from bench.suites.uncooperative_suns.results import WRONG_DEG, WRONG_SHARE
@@ -33,7 +39,6 @@ from models.arrays import Floats, Mask
 from models.errors import DatasetError
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals
 from pipelines.acquisition.under_sun import UnderSun, UnderSunOptions
-from renders.scenario.tumble_tables import SUN_SIGMA_DEG
 
 PRIOR_WEIGHT = 0.05  # of the squares of the regression's weights: few starts fix none sharply
 START_S = 12.0

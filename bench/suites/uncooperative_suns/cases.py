@@ -32,6 +32,7 @@ PHASES_DEG = (0.0, 170.0)
 EARTH_AWAY_DEG = 60.0  # of the boresight, at least: it lights the target and is not behind it
 MOTION_DRAW, SUN_DRAW, TOLD_DRAW = 1, 2, 3  # purposes that key the draws
 MOST_DRAWS = 200
+SUN_SIGMA_DEG = 0.3  # of a coarse attitude: the ephemeris itself is nearly exact
 ORBIT = KeplerOrbit.from_elements_deg(
     a_km=GEO_RADIUS_KM, e=0.0, i_deg=0.0, raan_deg=0.0, argument_of_perigee_deg=0.0,
     true_anomaly_deg=0.0,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from bench.suites.uncooperative_suns.cases import SUNS, MotionTask
+from bench.suites.uncooperative_suns.cases import SUN_SIGMA_DEG, SUNS, MotionTask
 from bench.suites.uncooperative_suns.frames import scenario_of
 from bench.suites.uncooperative_suns.starts import frames_unit, starts_unit
 from bench.suites.units import WorkUnit
@@ -14,7 +14,6 @@ from models.errors import ScenarioError
 from models.reading.options import check_option
 from models.spacecraft.wireframes import WIREFRAMES
 from renders.scenario.own_target import SUFFIX
-from renders.scenario.tumble_tables import SUN_SIGMA_DEG
 
 TARGETS = ("xmm", "hispasat")
 VARIANTS = ("paper", "best")
