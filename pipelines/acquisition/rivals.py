@@ -140,7 +140,7 @@ class Verdict:
         Weighted score by which the best rival leads.
     light, steps : float
         Means over its images.
-    next_best : RigidTransform or None
+    other : RigidTransform or None
         The next one's pose in the last image.
     """
 
@@ -149,7 +149,7 @@ class Verdict:
     margin: float
     light: float
     steps: float
-    next_best: RigidTransform | None
+    other: RigidTransform | None
 
 
 class Rivals:
@@ -251,8 +251,8 @@ class Rivals:
         margin = min(lead, MOST_SIGMAS)
         light, steps = best.light / best.explained, best.steps / best.explained
         wrong = self._belief.wrong_probability(margin, light, steps)
-        next_best = others[0].poses[-1] if others else None
-        return Verdict(best.last, wrong, margin, light, steps, next_best)
+        other = others[0].poses[-1] if others else None
+        return Verdict(best.last, wrong, margin, light, steps, other)
 
 
 def _turn_deg(one: RigidTransform, other: RigidTransform) -> float:

@@ -111,8 +111,8 @@ def _doubt(verdict: Verdict) -> str:
         f"explains {100.0 * best.light:.0f} % of the light and {100.0 * best.steps:.0f} % of the "
         "edges due"
     )
-    if verdict.next_best is None:
+    if verdict.other is None:
         return told
-    turn = Rotation.from_matrix(best.pose.rotation.T @ verdict.next_best.rotation)
+    turn = Rotation.from_matrix(best.pose.rotation.T @ verdict.other.rotation)
     away_deg = np.rad2deg(turn.magnitude())
     return f"{told}, and leads by {verdict.margin:.3f} over one {away_deg:.0f} deg away"

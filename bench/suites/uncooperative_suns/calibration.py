@@ -132,7 +132,15 @@ def fitted(margin: Floats, light: Floats, steps: Floats, wrong: Mask) -> Belief:
 
 
 def evidence_units(plan: Plan, target: str, images: int) -> list[WorkUnit]:
-    """Return the units that note the evidence of a target's starts."""
+    """Return the units that note the evidence of a target's starts.
+
+    Parameters
+    ----------
+    plan : Plan
+    target : str
+    images : int
+        That a start looks at.
+    """
     settings = repr((UnderSunOptions(), RivalOptions()))
     return [
         WorkUnit(
@@ -158,7 +166,21 @@ def calibrate(
     images: int = 3,
     workers: int = 1,
 ) -> None:
-    """Render what is missing, note the evidence and print the belief that it gives."""
+    """Render what is missing, note the evidence and print the belief that it gives.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the frames and of what was noted.
+    targets : tuple of str
+        As the suite's parts.
+    runs, seed : int
+        Of the motions.
+    images : int
+        That a start looks at.
+    workers : int
+        Processes.
+    """
     plan = Plan(Sizes(runs=runs, seed=seed), targets, out)
     noted: list[Floats] = []
     for target in targets:
@@ -201,7 +223,13 @@ def told(rows: Floats) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Read the command line and calibrate."""
+    """Read the command line and calibrate.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Those of the command line unless given.
+    """
     tyro.cli(calibrate, args=arguments)
 
 

@@ -162,7 +162,7 @@ def draw_motion(task: MotionTask, camera: Camera, radius_m: float) -> DrawnMotio
 
 
 def told_sun(task: MotionTask, number: int, true: Floats, sigma_deg: float) -> Floats:
-    """Return the Sun's direction as one start has it on board.
+    """Return the Sun's direction as one start has it on board, (3,).
 
     Parameters
     ----------

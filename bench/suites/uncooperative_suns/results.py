@@ -161,6 +161,11 @@ class Summary:
 def starts_of(plan: Plan, target: str, variant: str) -> Starts:
     """Judge the starts of a target by a variant.
 
+    Parameters
+    ----------
+    plan : Plan
+    target, variant : str
+
     Raises
     ------
     DatasetError

@@ -75,4 +75,4 @@ def test_a_larger_lead_is_never_believed_less(low: float, more: float, a: float,
 
 
 def test_a_sole_rival_leads_by_its_weight() -> None:
-    assert rivals().add(0.0, (candidate(0.0, 0.7),)).next_best is None
+    assert rivals().add(0.0, (candidate(0.0, 0.7),)).other is None
