@@ -255,6 +255,6 @@ class Rivals:
         return Verdict(best.last, wrong, margin, light, steps, other)
 
 
-def _turn_deg(one: RigidTransform, other: RigidTransform) -> float:
-    cosine = 0.5 * (float(np.trace(one.rotation.T @ other.rotation)) - 1.0)
+def _turn_deg(pose: RigidTransform, other: RigidTransform) -> float:
+    cosine = 0.5 * (float(np.trace(pose.rotation.T @ other.rotation)) - 1.0)
     return float(np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0))))
