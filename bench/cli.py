@@ -24,6 +24,7 @@ from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
 from bench.random_dataset.verb import Dataset
+from bench.runners.cancel_verb import Cancel
 from bench.scoring.verb import Score
 from bench.store.verb import Store
 from bench.suites.verb import Suite
@@ -45,6 +46,7 @@ VERBS: dict[str, type[Any]] = {
     "show": verbs.Show,
     "inspect": Inspect,
     "export": Export,
+    "cancel": Cancel,
     "store": Store,
     "new": New,
     "list": verbs.List,
