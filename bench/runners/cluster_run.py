@@ -75,18 +75,25 @@ def _have_done(
     if again:
         write_record(work.place, record)
         _forget_tokens(work.place, record)
-    own = Supervision(work, queue_of(request, work, record), record, console)
-    if patience is not None:
-        own.patience = patience
+    queue = queue_of(request, work, record)
+    own = Supervision(work, queue, record, console, patience or Patience())
+    try:
+        _submit_and_wait(own, request.runner, again, sum(missing.values()))
+    finally:
+        queue.close()
+
+
+def _submit_and_wait(own: Supervision, runner: str, again: list[int], missing: int) -> None:
+    work, console = own.work, own.console
     if again:
         own.submit(again)
         console.print(
-            f"submitted {len(again)} jobs to {request.runner} as {_named(own.record)}; "
-            f"{sum(missing.values())} of {work.pieces} {work.noun} are missing. This command may "
-            "be stopped: the jobs go on, and the same command waits for them again"
-            if request.runner == "slurm"
-            else f"handed {len(again)} jobs to Dask; {sum(missing.values())} of {work.pieces} "
-            f"{work.noun} are missing",
+            f"submitted {len(again)} jobs to SLURM as {_named(own.record)}; {missing} of "
+            f"{work.pieces} {work.noun} are missing. This command may be stopped: the jobs go on, "
+            "and the same command waits for them again"
+            if runner == "slurm"
+            else f"handed {len(again)} jobs to Dask; {missing} of {work.pieces} {work.noun} are "
+            "missing",
             soft_wrap=True,
         )
     own.wait()

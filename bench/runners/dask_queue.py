@@ -46,7 +46,7 @@ class DaskQueue:
         except ImportError as error:
             raise RunnerError(
                 f"expected the package distributed for --runner dask, got: {error}; install it "
-                "beside rvbench: pip install 'rvbench[dask]', in a clone pip install -e '.[dask]'"
+                "beside rvbench, in its clone: .venv/bin/python -m pip install -e '.[dask]'"
             ) from error
         cloudpickle.register_pickle_by_value(dask_task)  # workers need not have rvbench
         try:
@@ -82,11 +82,16 @@ class DaskQueue:
                 f"expected the Dask scheduler at {self.address} to live as long as its work, it is "
                 "gone; all that is done is kept: start one and run the same command again"
             )
-        return Queued(waiting=frozenset(n for n, state in states.items() if state == "pending"))
+        pending = frozenset(n for n, state in states.items() if state == "pending")
+        return Queued(waiting=pending, tells_which_run=False)
 
     def cancel(self) -> None:
         """Take back what has not begun; see ``Queue``."""
         self.client.cancel(list(self._futures.values()), force=True)
+
+    def close(self) -> None:
+        """Leave the scheduler; see ``Queue``."""
+        self.client.close()
 
     def _rounds(self, number: int) -> int:
         return self.record.tries.get(number, 0) + (number in self._futures)

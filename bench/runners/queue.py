@@ -17,11 +17,14 @@ class Queued:
         Chunks.
     why : str
         What it waits for, in the cluster's words; empty if they are not told.
+    tells_which_run : bool
+        Whether those that run are told from those that wait.
     """
 
     waiting: frozenset[int] = frozenset()
     running: frozenset[int] = frozenset()
     why: str = ""
+    tells_which_run: bool = True
 
     @property
     def active(self) -> frozenset[int]:
@@ -52,3 +55,6 @@ class Queue(Protocol):
 
     def cancel(self) -> None:
         """Have nothing more done."""
+
+    def close(self) -> None:
+        """Let go of the cluster; what it does goes on if it can."""

@@ -111,6 +111,9 @@ class SlurmQueue:
         if done.returncode:
             raise RunnerError(f"expected scancel to take {self.name}, got: {_words(done)}")
 
+    def close(self) -> None:
+        """Do nothing: SLURM keeps no line open; see ``Queue``."""
+
 
 def sbatch_options(typed: Sequence[str]) -> list[str]:
     """Return options of sbatch with their dashes.

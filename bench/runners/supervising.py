@@ -188,7 +188,11 @@ class Supervision:
         said = ""
         if queued is not None:
             why = f" ({queued.why})" if queued.why and not queued.running else ""
-            said = f"; {len(queued.running)} jobs run, {len(queued.waiting)} wait{why}"
+            said = (
+                f"; {len(queued.running)} jobs run, {len(queued.waiting)} wait{why}"
+                if queued.tells_which_run
+                else f"; {len(queued.active)} jobs are not done"
+            )
         self.console.print(
             f"{self.work.noun}: {self.work.pieces - left} of {self.work.pieces}{said}; "
             f"left: {told(left_s)}",
