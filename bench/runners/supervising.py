@@ -106,6 +106,9 @@ class Supervision:
             spent_s = self.clock() - began_s
             self.sleep(min(self.patience.most_look_s, max(self.patience.look_s, spent_s / 20.0)))
             missing = self.work.missing()
+        if at_first:
+            noun, pieces = self.work.noun, self.work.pieces
+            self.console.print(f"{noun}: {pieces} of {pieces}", soft_wrap=True)
 
     def _check_cancelled(self) -> None:
         if cancelled_path(self.work.place, self.record.name).exists():
