@@ -63,7 +63,7 @@ def test_who_handed_it_over_dies_and_the_next_hands_over_the_rest(
     killed = start("dataset", spec, "--out", out, *by_dask(cluster))
     until(lambda: frames(out) >= 4)
     killed.kill()
-    killed.wait()
+    killed.communicate()
     ended(start("dataset", spec, "--out", out, *by_dask(cluster)))
     assert bytes_of(out) == bytes_of(dataset_alone)
 
