@@ -55,7 +55,7 @@ def prepare(request: SuiteRequest, units: Sequence[WorkUnit], console: Console) 
     """
     budget = budget_bytes(request.store_budget_gb)
     for flight in _flown_by(plan_of(request), units):
-        flight.make(request.store, budget, "auto", console)
+        flight.make(request.store, budget, "auto", console, request.workers)
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
