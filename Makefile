@@ -17,7 +17,7 @@ unexport PYTHONPATH PYTHONHOME
 unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/$(VENV)/pycache
 
-.PHONY: help demo test check lint setup oracle speed grain judges kinematics browser cluster-test libraries lock clean
+.PHONY: help demo test check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test libraries lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -27,6 +27,8 @@ help:
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
 	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
 	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
+	@echo "make campaign  do harm to it: hostile inputs, kills, full disks, crowds; hours"
+	@echo "make campaign-short  some of that, in three minutes"
 	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
 	@echo "make browser  open a report in Chromium (from the system) and use it, in $(BROWSER)"
@@ -87,6 +89,18 @@ speed: $(RUNTIME)
 grain: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
 	$(PYTHON) -P -m bench.grain.table
+
+campaign: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	$(PYTHON) -P -m bench.campaign hostile --count 10000
+	$(PYTHON) -P -m bench.campaign kills --count 1000
+	$(PYTHON) -P -m bench.campaign places --count 120
+
+campaign-short: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	$(PYTHON) -P -m bench.campaign hostile --count 2000 --no-full --seconds 60
+	$(PYTHON) -P -m bench.campaign kills --only render --count 4 --seconds 20
+	$(PYTHON) -P -m bench.campaign places --only "full disk" --count 1
 
 judges: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)

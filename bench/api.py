@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from bench.api_options import DatasetOptions, ExportOptions, RenderOptions, SweepOptions, check_case
+from models.at_work import at_work
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:  # both load much; each function loads what it needs
@@ -295,11 +296,12 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
         raise ScenarioError(f"expected --seeds from 1 to {MOST_RUNS}, got {seeds}")
     left = runs_left(out, seeds)
     render(case, out, seeds=seeds if left else 1, **options)
-    with light_held(out) if left else nullcontext():
-        estimate(out, options.get("threads"))
-        repeat_runs(out, seeds)
-    scored = score(out)
-    report(out)
+    with at_work(out, "run"):
+        with light_held(out) if left else nullcontext():
+            estimate(out, options.get("threads"))
+            repeat_runs(out, seeds)
+        scored = score(out)
+        report(out)
     return scored
 
 

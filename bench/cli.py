@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import io
 import os
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -26,12 +28,16 @@ from bench.new.verb import New
 from bench.random_dataset.verb import Dataset
 from bench.runners.cancel_verb import Cancel
 from bench.scoring.verb import Score
+from bench.status.verb import Status
 from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
 from models.errors import RvbenchError, ScenarioError
+from models.reading.shown import shown
 
 COULD_NOT_RUN, NOBODY_READS = 2, 141
+MOST_MESSAGE = 2000  # characters
+CONTROLS = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
 VERBS: dict[str, type[Any]] = {
     "run": verbs.Run,
@@ -47,6 +53,7 @@ VERBS: dict[str, type[Any]] = {
     "inspect": Inspect,
     "export": Export,
     "cancel": Cancel,
+    "status": Status,
     "store": Store,
     "new": New,
     "list": verbs.List,
@@ -87,6 +94,7 @@ def _run_and_leave(typed: list[str]) -> NoReturn:
 def _run(typed: list[str]) -> int:
     """Parse and run; return the exit code."""
     verb = typed[0] if typed else ""
+    _print_any_name()
     try:
         code = int(parse(typed).run())
         if sys.stdout is not None:
@@ -101,13 +109,14 @@ def _run(typed: list[str]) -> int:
     except BrokenPipeError:
         return _nobody_reads()
     except RvbenchError as error:
-        print(f"rvbench: {error}", file=sys.stderr)
+        print(f"rvbench: {_readable(str(error))}", file=sys.stderr)
         return COULD_NOT_RUN
     except KeyboardInterrupt:
         return _interrupted(verb)
     except OSError as error:
         print(
-            f"rvbench: expected the system to let us read and write, got: {error}; every file "
+            "rvbench: expected the system to let us read and write, got: "
+            f"{_readable(str(error))}; every file "
             "written so far is whole and kept",
             file=sys.stderr,
         )
@@ -132,9 +141,10 @@ def parse(arguments: list[str]) -> Any:
     SystemExit
         After printing help, versions, or what is wrong and what was perhaps meant.
     ScenarioError
-        If there is no such verb, or an argument is empty.
+        If there is no such verb, or an argument is empty or has control characters.
     """
     _refuse_empty(arguments)
+    _refuse_controls(arguments)
     if arguments and arguments[0] in VERBS:
         name, verb = arguments[0], VERBS[arguments[0]]
         explained = inspect.cleandoc(verb.__doc__ or "")
@@ -145,7 +155,7 @@ def parse(arguments: list[str]) -> Any:
     if arguments and not arguments[0].startswith("-"):
         near = difflib.get_close_matches(arguments[0], VERBS, n=1)
         hint = f"; perhaps you meant {near[0]}" if near else ""
-        raise ScenarioError(f"expected one of {', '.join(VERBS)}, got {arguments[0]!r}{hint}")
+        raise ScenarioError(f"expected one of {', '.join(VERBS)}, got {shown(arguments[0])}{hint}")
     choices = tuple(
         Annotated[verb, tyro.conf.subcommand(name, description=_first_line(verb))]
         for name, verb in VERBS.items()
@@ -173,6 +183,29 @@ def _refuse_empty(arguments: list[str]) -> None:
             after = option if is_given else before if before.startswith("--") else ""
             where = f" after {after}" if after else ""
             raise ScenarioError(f"expected a value{where}, got an empty text")
+
+
+def _refuse_controls(arguments: list[str]) -> None:
+    """Refuse control characters: whoever tells of them again has the terminal obey them."""
+    for argument in arguments:
+        if CONTROLS.search(argument):
+            raise ScenarioError(
+                f"expected arguments without control characters, got {shown(argument)}"
+            )
+
+
+def _readable(message: str) -> str:
+    """Return a message that a terminal shows and does not obey, of a length that is still read."""
+    if len(message) > MOST_MESSAGE:
+        half = MOST_MESSAGE // 2
+        message = f"{message[:half]} ... {message[-half:]}"
+    return CONTROLS.sub(lambda found: ascii(found[0])[1:-1], message)
+
+
+def _print_any_name() -> None:
+    """Have names of files that are no UTF-8 printed with their bytes escaped, not raise."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _interrupted(verb: str) -> int:

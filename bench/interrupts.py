@@ -42,6 +42,7 @@ WHAT_IS_KEPT = {
     "show": "the picture is as it was before, or new and whole",
     "cancel": "what the jobs have done is whole and kept",
     "store": "every entry that was not deleted is whole",
+    "status": "nothing was changed",
     "list": "nothing was changed",
     "doctor": "nothing was changed",
     "new": "what was written is whole",

@@ -23,6 +23,7 @@ from models.dataset.dataset import Dataset, open_dataset
 from models.dataset.estimates_file import read_estimates
 from models.dataset.onboard_files import onboard_texts
 from models.errors import DatasetError, RvbenchError
+from models.reading.regular_file import holds_text
 
 
 def repeat_runs(folder: Path, runs: int) -> list[int]:
@@ -84,7 +85,7 @@ def _repeat(dataset: Dataset, number: int, chosen: list[Contender]) -> None:
     onboard, frames = exposed_frames(folder, number)
     home = run_folder(folder, number)
     for name, text in onboard_texts(onboard).items():
-        if not (folder / name).is_file() or (folder / name).read_text() != text:
+        if not holds_text(folder / name, text):
             write_text(home / name, text)
     estimate_run(folder, number, frames, onboard, chosen, len(dataset.entries))
     write_text(stamp_path(folder, number), json.dumps(_stamp(dataset, chosen), indent=1) + "\n")

@@ -36,6 +36,7 @@ from bench.export.tables import table_files
 from bench.export.tone_curve import ToneCurve, tone_curve
 from bench.progress import frame_progress
 from bench.random_dataset.folder import datasets_within
+from models.at_work import at_work
 
 EIGHT = 8
 AHEAD = 2  # images for each core: what is in hand is all that is in memory
@@ -73,12 +74,13 @@ def export_datasets(request: ExportRequest) -> Plan:
     mark = marking(request, plan, versions)
     if begin(request.out, mark):
         return plan
-    records = Records(plan, request.out)
-    curves = _curves(request, plan)
-    missing = [shot for shot in plan.shots if not _is_there(records, shot)]
-    _export_all(request, kind, records, missing, curves)
-    told = dict(_finish(request, kind, records, versions))
-    finish(request.out, mark, _every_file(kind, records, told))
+    with at_work(request.out, "export"):
+        records = Records(plan, request.out)
+        curves = _curves(request, plan)
+        missing = [shot for shot in plan.shots if not _is_there(records, shot)]
+        _export_all(request, kind, records, missing, curves)
+        told = dict(_finish(request, kind, records, versions))
+        finish(request.out, mark, _every_file(kind, records, told))
     return plan
 
 

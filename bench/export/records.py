@@ -9,7 +9,8 @@ from pathlib import Path
 from bench.export.plan import Plan, Shot
 from bench.export.record import Record, record_from_json
 from models.atomic_file import write_text
-from models.errors import DatasetError
+from models.errors import DatasetError, UnreadableError, cause
+from models.reading.regular_file import read_text
 
 HIDDEN = ".rvbench-export"
 """Folder of what an export keeps for itself until it is done."""
@@ -36,8 +37,8 @@ class Records:
     def get(self, shot: Shot) -> Record | None:
         """Return a record; None where there is none yet, or none that is whole."""
         try:
-            return record_from_json(self.path(shot).read_text(), self.path(shot))
-        except (OSError, DatasetError):
+            return record_from_json(read_text(self.path(shot)), self.path(shot))
+        except DatasetError:
             return None
 
     def put(self, shot: Shot, record: Record) -> None:
@@ -75,8 +76,8 @@ class Records:
 
     def _text(self, shot: Shot) -> str:
         try:
-            return self.path(shot).read_text()
-        except OSError as error:
+            return read_text(self.path(shot))
+        except UnreadableError as error:
             raise DatasetError(
-                f"expected the label record {self.path(shot)}, got: {error}; export again"
+                f"expected the label record {self.path(shot)}, got: {cause(error)}; export again"
             ) from error

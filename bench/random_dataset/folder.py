@@ -36,6 +36,7 @@ from models.errors import DatasetError
 from models.output_folder import check_empty, check_place
 from models.reading.csv_table import read_csv
 from models.reading.json_file import read_json_table
+from models.reading.regular_file import holds_text
 
 MARK, FORMAT, VERSION = "random_dataset.json", "rvbench-random-dataset", 1
 INDEX_NAME = "index.csv"
@@ -82,7 +83,7 @@ def check_cases(out: Path, plan: Plan) -> None:
     """
     for part in plan.used:
         path, text = case_path(out, part), plan.scenario(part).to_toml()
-        if path.is_file() and path.read_text() != text:
+        if path.is_file() and not holds_text(path, text):
             raise DatasetError(
                 f"expected the scenario of {part.name} as it was when {out} began; it is not: the "
                 "files of its spacecraft have changed, or rvbench itself has. Nothing was changed: "

@@ -26,6 +26,7 @@ from bench.random_dataset.plan import Plan, make_plan, shots_by_chunk
 from bench.random_dataset.progress import dataset_progress
 from bench.random_dataset.spec import read_spec
 from bench.runners.chunks import Chunk
+from models.at_work import at_work
 from models.atomic_file import write_bytes, write_text
 from models.errors import ScenarioError
 from models.plain_console import plain_console
@@ -114,6 +115,13 @@ def make_dataset(request: DatasetRequest, console: Console | None = None) -> Dat
     if request.chunk is None or not has_begun(request.out, plan):
         begin(request.out, plan)
         write_bytes(request.out / COVERAGE, coverage(plan))
+    with at_work(request.out, "dataset"):
+        return _made(request, plan, asked, console)
+
+
+def _made(
+    request: DatasetRequest, plan: Plan, asked: Sequence[set[int]], console: Console
+) -> DatasetResult:
     cores, tasks = len(os.sched_getaffinity(0)), dict[Path, list[Task]]()
     if request.chunk is not None and request.workers is not None:
         cores = request.workers  # a job has as many as it was given, whatever else there is

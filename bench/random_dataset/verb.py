@@ -109,6 +109,7 @@ class Dataset:
         from bench.random_dataset.run import DatasetRequest
         from bench.random_dataset.shared_frames import frames_work
         from bench.runners.cluster_run import have_done
+        from models.at_work import at_work
         from models.plain_console import plain_console
         from renders.variant.choice import choose_variant, short_name
 
@@ -120,4 +121,5 @@ class Dataset:
         shared = replace(self, out=self.out.absolute(), variant=variant, workers=runner.workers)
         request = DatasetRequest(self.spec, self.out, variant=variant)
         work = frames_work(request, runner, typed_arguments("dataset", shared, NAMES))
-        have_done(runner, work, plain_console(stderr=True))
+        with at_work(self.out, "dataset"):
+            have_done(runner, work, plain_console(stderr=True))

@@ -13,6 +13,7 @@ from bench.runners.chunks import Chunk
 from bench.runners.options import RunnerRequest
 from bench.suites.folder import begin
 from bench.suites.request import SuiteFiles, SuiteRequest
+from models.at_work import at_work
 from models.errors import ScenarioError
 
 RunSuite = Callable[[SuiteRequest, Console], SuiteFiles]
@@ -89,4 +90,6 @@ class Suite:
         from bench.suites.shared_units import suite_work
 
         begin(request.out, self.name)
-        have_done(runner, suite_work(SUITES[self.name], request, runner, arguments), console)
+        work = suite_work(SUITES[self.name], request, runner, arguments)
+        with at_work(request.out / "units", "suite"):
+            have_done(runner, work, console)

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from models.atomic_file import write_text
-from models.errors import DatasetError
+from models.errors import DatasetError, UnreadableError
 from models.output_folder import check_empty, check_place
+from models.reading.json_file import read_json_table
 
 FORMAT, VERSION = "rvbench-suite", 1
 
@@ -53,9 +54,9 @@ def begin(out: Path, suite: str) -> None:
 def _named(path: Path) -> str | None:
     """Return the suite that a file of ours names; None if it is none of ours."""
     try:
-        table: Any = json.loads(path.read_text())
+        table = read_json_table(path)
         return str(table["suite"]) if table["format"] == FORMAT else None
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (UnreadableError, KeyError):
         return None
 
 

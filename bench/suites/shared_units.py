@@ -38,13 +38,14 @@ def do_share(module: str, request: SuiteRequest, chunk: Chunk, console: Console)
         For progress.
     """
     suite: Any = import_module(module)
-    own = shares_of(suite.units_of(request), chunk.of)[chunk.number]
+    units = suite.units_of(request)
+    own = shares_of(units, chunk.of)[chunk.number]
     folder = request.out / "units"
     left = [unit for unit in own if not is_done(folder, unit)]
     if left and hasattr(suite, "prepare"):
         check_locks(request.store)
         suite.prepare(request, left, console)
-    return do_units(own, folder, request.workers, console)
+    return do_units(own, folder, request.workers, console, units)
 
 
 def suite_work(

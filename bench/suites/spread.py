@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -11,9 +12,11 @@ import cv2
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
+from bench.status.readers import ASKED_NAME
 from bench.suites.units import WorkUnit, read_outcome, write_outcome
 from bench.sweep.workers import Workers
-from models.atomic_file import sweep_scratch
+from models.at_work import at_work
+from models.atomic_file import sweep_scratch, write_text
 from models.plain_console import plain_console
 from models.progress_lines import LinePace, told
 
@@ -66,7 +69,11 @@ class Pace:
 
 
 def do_units(
-    units: Sequence[WorkUnit], folder: Path, workers: int, console: Console | None = None
+    units: Sequence[WorkUnit],
+    folder: Path,
+    workers: int,
+    console: Console | None = None,
+    asked: Sequence[WorkUnit] | None = None,
 ) -> int:
     """Do every unit that is not done.
 
@@ -82,6 +89,8 @@ def do_units(
         Processes; with one, the work is done in this process.
     console : Console, optional
         Where progress goes; stderr unless given.
+    asked : sequence of WorkUnit, optional
+        All units that were asked for, where these are a share of them.
 
     Returns
     -------
@@ -102,12 +111,16 @@ def do_units(
     if not missing:
         return 0
     missing = one_of_each_kind_first(missing)
+    write_text(
+        folder / ASKED_NAME, json.dumps({"asked": [each.name for each in asked or units]}) + "\n"
+    )
     console.print(
         f"{len(units) - len(missing)} of {len(units)} units are done already; {workers} "
         f"worker{'s' if workers > 1 else ''}, left: {told(pace.left_s)}",
         soft_wrap=True,
     )
-    _spread(missing, folder, pace, console)
+    with at_work(folder, "suite"):
+        _spread(missing, folder, pace, console)
     return len(missing)
 
 

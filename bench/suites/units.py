@@ -10,8 +10,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import zipfile
-import zlib
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cache, cached_property
@@ -26,12 +24,12 @@ from models.arrays import AnyArray, Floats
 from models.atomic_file import write_bytes, write_text
 from models.errors import DatasetError, UnreadableError
 from models.reading.json_file import read_json
-from models.reading.regular_file import MEGABYTE, read_bytes
+from models.reading.npz_file import read_npz
+from models.reading.regular_file import MEGABYTE
 
 KEY = "key"
 LIBRARIES = ("numpy", "scipy", "opencv-contrib-python-headless")
 MOST_OUTCOME_BYTES = 2000 * MEGABYTE
-NO_RESULT = (UnreadableError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,13 +147,11 @@ def read_outcome(folder: Path, unit: WorkUnit) -> Outcome | None:
     """Return what a unit came to; None if it is not done, or was of another task or code."""
     key = unit.key  # now: what a process is handed later is the unit of this code
     try:
-        stream = io.BytesIO(read_bytes(outcome_path(folder, unit), MOST_OUTCOME_BYTES))
-        with np.load(stream, allow_pickle=False) as file:
-            if str(file[KEY]) != key:
-                return None
-            values = {name: file[name] for name in file.files if name != KEY}
+        values = read_npz(outcome_path(folder, unit), MOST_OUTCOME_BYTES)
+        if str(values.pop(KEY, None)) != key:
+            return None
         seconds = np.array(read_json(seconds_path(folder, unit)), dtype=np.float64)
-    except NO_RESULT:
+    except (UnreadableError, ValueError, TypeError):
         return None
     return Outcome(values, seconds)
 

@@ -7,6 +7,7 @@
         sun_map.png               or sun_map_1.png and so on, one for each setting
         extremes/best_1.png       and best_2 to harshest_3, the 850 nm frames at full size
         shots/                    what each shot came to, see ``bench.sweep.shots``
+        asked.json                which shots were asked for last
         truth/scenario.toml       the scenario with every default resolved
               pose_285.000.json   what each pose truly was
               depth_285.000_850.exr    where a lens with a focus needs it
@@ -15,10 +16,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from bench.status.readers import ASKED_NAME
 from bench.sweep.plan import SweepPlan, SweepPose
+from bench.sweep.shots import Shot, shot_path
 from models.arrays import Radiance
 from models.atomic_file import write_text
 from models.errors import DatasetError
@@ -75,6 +79,19 @@ def check_folder(plan: SweepPlan) -> None:
 def scenario_path(out: Path) -> Path:
     """Return where the resolved scenario lies: it holds the motion, so behind the wall."""
     return out / "truth" / "scenario.toml"
+
+
+def write_asked(out: Path, shots: Sequence[Shot]) -> None:
+    """Write down which shots were asked for last, for ``rvbench status``.
+
+    Parameters
+    ----------
+    out : Path
+        The sweep's folder.
+    shots : sequence of Shot
+    """
+    names = [shot_path(out, shot).stem for shot in shots]
+    write_text(out / ASKED_NAME, json.dumps({"asked": names}) + "\n")
 
 
 def read_pose_truth(out: Path, work: PoseWork, key: str) -> PoseTruth | None:

@@ -22,6 +22,7 @@ from bench.sweep.folder import (
     PoseTruth,
     check_folder,
     scenario_path,
+    write_asked,
 )
 from bench.sweep.plan import SweepPlan, SweepRequest, plan_sweep
 from bench.sweep.pose_work import PoseWork, pose_work
@@ -29,6 +30,7 @@ from bench.sweep.shots import Shot, read_shot
 from bench.sweep.stages import Sweeper
 from bench.sweep.table import Row, Setting, judged_row
 from bench.sweep.workers import Workers
+from models.at_work import at_work
 from models.atomic_file import sweep_scratch, write_text
 from models.errors import ScenarioError, StorageError
 from models.frame import Frame
@@ -104,6 +106,14 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
         pose_work(plan, pose, world, store, variant)
         for pose, world in zip(plan.poses, worlds, strict=True)
     ]
+    write_asked(request.out, [shot for work in works for own in work.shots for shot in own])
+    with at_work(request.out, "sweep"):
+        return _swept(plan, works, store, variant, console)
+
+
+def _swept(
+    plan: SweepPlan, works: list[PoseWork], store: RadianceStore, variant: str, console: Console
+) -> SweepResult:
     sweeper = Sweeper(plan, works, variant, console)
     with Workers(plan.workers) as workers, store.claimed(sweeper.claim()):
         sweeper.sweep(workers)

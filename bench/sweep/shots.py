@@ -193,7 +193,7 @@ def _depth_m(shot: Shot, band: int) -> Radiance | None:
 
 def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
     """Read what a shot came to; None if it has not been taken or its files are not whole."""
-    path = _path(out, shot)
+    path = shot_path(out, shot)
     try:
         record = read_json_table(path)
         if record["key"] != shot.key:
@@ -261,7 +261,7 @@ def encoded_png(grey: NDArray[np.uint8]) -> bytes:
 def _write(
     out: Path, shot: Shot, frame: Frame, estimates: Mapping[str, Estimate], detector: Detector
 ) -> None:
-    path = _path(out, shot)
+    path = shot_path(out, shot)
     images = images_of(frame)
     small = picture(list(images.values())[-1], detector, THUMBNAIL_PX)
     write_bytes(path.with_suffix(".png"), encoded_png(small))
@@ -277,5 +277,6 @@ def _write(
     write_text(path, json.dumps(record) + "\n")  # last: a shot with its record is whole
 
 
-def _path(out: Path, shot: Shot) -> Path:
+def shot_path(out: Path, shot: Shot) -> Path:
+    """Return where the record of a shot lies in a sweep's folder."""
     return out / "shots" / f"{shot.key[:24]}.json"

@@ -231,7 +231,7 @@ def read_csv(path: Path) -> list[Row]:
         If it is missing, or a column or number of it is.
     """
     try:
-        header = read_lines(path)[0].split(",") if path.is_file() else []
+        header = "".join(read_lines(path)[:1]).split(",") if path.is_file() else []
         saturated = [name for name in header if SATURATED.fullmatch(name)]
         return [_row(each) for each in csv_table.read_csv(path, [*PLAIN_COLUMNS, *saturated])]
     except DatasetError as error:

@@ -107,6 +107,15 @@ def read_lines(
     return [line.removesuffix("\r") for line in lines]
 
 
+def holds_text(path: Path, text: str) -> bool:
+    """Tell whether a regular file is there and holds a text, to the byte."""
+    data = text.encode()
+    try:
+        return read_beginning(path, len(data) + 1) == data
+    except UnreadableError:
+        return False
+
+
 def check_regular(path: Path) -> None:
     """Refuse what is no regular file, nor a link to one, for who reads it piece by piece.
 

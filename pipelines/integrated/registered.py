@@ -5,13 +5,16 @@ from __future__ import annotations
 from models.frame import IMAGE
 from models.navigation_tables import GNSS, INERTIAL, STARS
 from models.onboard import OnboardKnowledge
+from pipelines.absolute.knowledge import AbsoluteKnowledge
+from pipelines.absolute.options import REGIMES
 from pipelines.absolute.registered import PIPELINE as ABSOLUTE
 from pipelines.absolute.registered import make as make_absolute
+from pipelines.integrated.options import relative_options_for
 from pipelines.integrated.pipeline import IntegratedNavigation
 from pipelines.pipeline import RegisteredPipeline
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
+from pipelines.uncooperative.pipeline import Uncooperative
 from pipelines.uncooperative.registered import PIPELINE as UNCOOPERATIVE
-from pipelines.uncooperative.registered import make as make_uncooperative
 
 NAME = "integrated"
 
@@ -24,15 +27,17 @@ def make(onboard: OnboardKnowledge, variant: str) -> IntegratedNavigation:
     DatasetError
         If what either half needs is not on board.
     """
+    known, regime = UncooperativeKnowledge.of(onboard), AbsoluteKnowledge.of(onboard).regime
     return IntegratedNavigation(
         make_absolute(onboard, variant),
-        make_uncooperative(onboard, variant),
-        UncooperativeKnowledge.of(onboard).cam_from_lvlh,
+        Uncooperative(known, relative_options_for(variant, regime)),
+        known.cam_from_lvlh,
     )
 
 
 def _settings(variant: str) -> str:
-    return " ".join(each.settings_hash(variant) for each in (ABSOLUTE, UNCOOPERATIVE))
+    relative = [relative_options_for(variant, regime) for regime in REGIMES]
+    return f"{ABSOLUTE.settings_hash(variant)} {relative!r}"
 
 
 PIPELINE = RegisteredPipeline(

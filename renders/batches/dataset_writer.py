@@ -24,10 +24,11 @@ from models.dataset.description import (
 from models.dataset.frame_table import FrameEntry, frames_to_csv, read_frame_entries
 from models.dataset.image_file import encode_image
 from models.dataset.marker_file import markers_to_toml
-from models.errors import DatasetError
+from models.errors import DatasetError, UnreadableError
 from models.markers import MarkerPattern
 from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
+from models.reading.regular_file import check_regular, read_text
 from renders.store.radiance_store import KEY, RadianceStore
 from renders.store.sealed_exr import read_exr, write_exr
 from renders.truth.makers import SealedRecord
@@ -48,10 +49,21 @@ def is_whole_png(path: Path) -> bool:
 
 def _ends_with(path: Path, end: bytes) -> bool:
     try:
+        check_regular(path)
         with path.open("rb") as file:
             file.seek(-len(end), os.SEEK_END)
             return file.read() == end
-    except OSError:
+    except (OSError, UnreadableError):
+        return False
+
+
+def is_whole_record(path: Path) -> bool:
+    """Tell whether one exposure's truth is there, a table of JSON in one line."""
+    if not _ends_with(path, RECORD_END):
+        return False
+    try:
+        return read_text(path).count("\n") == 1 and bool(read_json_table(path))
+    except UnreadableError:
         return False
 
 
@@ -192,7 +204,7 @@ class DatasetWriter:
         return (
             is_whole_png(image_path(self.folder, frame, band))
             and is_whole_png(self.labels_path(frame, band))
-            and _ends_with(self.truth_path(frame, band), RECORD_END)
+            and is_whole_record(self.truth_path(frame, band))
             and self.geometry_path(frame, band).is_file()
         )
 
@@ -268,7 +280,7 @@ class DatasetWriter:
     def finish(self) -> None:
         """Join the exposures' truth into one file, in order of time."""
         lines = [
-            self.truth_path(entry.index, band).read_text()
+            read_text(self.truth_path(entry.index, band))
             for entry in self.entries
             for band in self.bands
         ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from models.at_work import at_work
 from models.plain_console import plain_console
 from renders.batches.case_rendering import CaseRendering
 from renders.batches.render_progress import render_progress
@@ -21,6 +22,11 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     """
     case = CaseRendering(request)
     case.begin()
+    with at_work(request.out, "render"):
+        _render(case, request, console)
+
+
+def _render(case: CaseRendering, request: RenderRequest, console: Console | None) -> None:
     case.start_renderer()
     console = console or plain_console(stderr=True)
     world = case.world

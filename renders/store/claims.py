@@ -20,7 +20,7 @@ from pathlib import Path
 from models.atomic_file import write_text
 from models.errors import UnreadableError
 from models.reading.json_file import read_json_table
-from models.reading.regular_file import MEGABYTE
+from models.reading.regular_file import MEGABYTE, check_regular
 
 FOLDER = "claims"
 MOST_CLAIM_BYTES = 2000 * MEGABYTE  # 64 digits a key, a million exposures, some keys each
@@ -128,9 +128,10 @@ def forget_claims_without_light(store: Path, keys: frozenset[str]) -> None:
 
 def _is_held(path: Path) -> bool:
     try:
+        check_regular(path)  # to open a pipe is to wait
         with path.open("rb") as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except FileNotFoundError:
+    except (FileNotFoundError, UnreadableError):
         return False
     except BlockingIOError:
         return True

@@ -119,3 +119,38 @@ def test_without_a_terminal_there_are_lines_and_no_bars(scored_dataset, tmp_path
     assert re.fullmatch(r"estimate: 1 of 4; left: .*", lines[0])
     assert lines[-1] == "estimate: 4 of 4; left: none"
     assert len(lines) == 4
+
+
+@pytest.mark.parametrize("typed", [["show", "a\x1b[2J", "0"], ["list", "--x=\x07"], ["a\x01b"]])
+def test_control_characters_are_refused_and_not_said_again(typed, capsys):
+    assert main(typed) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("rvbench: expected arguments without control characters, got '")
+    assert told.strip().isprintable()
+
+
+def test_a_folder_whose_name_is_no_text_is_told_of(scored_dataset, tmp_path):
+    """As a file of an old disk is named: the bytes of Latin-1."""
+    folder = shutil.copytree(
+        scored_dataset.folder, os.fsdecode(bytes(tmp_path / "gr") + b"\xfc\xdf")
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "bench", "status", folder],
+        capture_output=True, check=False, timeout=HANGS_S,
+        env={**os.environ, "PYTHONUTF8": "1", "PYTHONPATH": str(Path(__file__).parents[2])},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert rb"gr\udcfc\udcdf: dataset" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "typed", [["x" * 9000], ["render", "x" * 9000, "--out", "o"], ["score", "y" * 9000]]
+)
+def test_a_message_about_a_long_word_stays_short(typed, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(typed) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("rvbench: ")
+    assert told.count("\n") == 1
+    assert len(told) < 2500
+    assert not list(tmp_path.iterdir())

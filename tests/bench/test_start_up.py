@@ -91,6 +91,10 @@ def test_a_report_renders_nothing(folder: Path) -> None:
     assert loaded.isdisjoint(RENDERER | MESHES | WIDE_SCIPY | SCENARIOS)
 
 
+def test_a_status_loads_no_library_of_the_work(folder: Path) -> None:
+    assert loaded_by("status", folder).isdisjoint(SLOW)
+
+
 def test_estimating_draws_nothing(folder: Path) -> None:
     loaded = loaded_by("estimate", folder)
     assert loaded.isdisjoint(RENDERER | MESHES | FIGURES | SCENARIOS | {"scipy.stats"})

@@ -136,7 +136,7 @@ def test_an_unknown_name_is_told_with_the_nearest(brought) -> None:
     brought(silent=f"{__name__}:SILENT")
     with pytest.raises(
         ScenarioError,
-        match="unknown_target, absolute, integrated, silent, got 'silnet'; perhaps you meant silent",
+        match="absolute, integrated, silent, got 'silnet'; perhaps you meant silent",
     ):
         registered_pipeline("silnet")
 

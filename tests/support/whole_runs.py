@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from models.at_work import FAILED_NAME
 from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -97,7 +98,7 @@ def contents(folder: Path) -> dict[str, str]:
         str(path.relative_to(folder)): hashlib.sha256(_lasting(path)).hexdigest()
         for path in sorted(folder.rglob("*"))
         if path.is_file()
-        and path.name != "report.html"
+        and path.name not in ("report.html", FAILED_NAME)
         and not path.match("*.runtime.csv")
         and not path.match("claims/*.json")
     }

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,12 +18,12 @@ from models.arrays import AnyArray, Image
 from models.atomic_file import write_bytes
 from models.errors import DatasetError, UnreadableError
 from models.reading.fields import Fields
-from models.reading.regular_file import MEGABYTE, read_bytes
+from models.reading.npz_file import read_npz
+from models.reading.regular_file import MEGABYTE
 from renders.detector.marker_windows import MarkerWindow
 from renders.truth.exposure_truth import ExposureTruth
 
 MOST_BYTES = 500 * MEGABYTE
-UNREADABLE = (UnreadableError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,10 +109,9 @@ def read_frame(path: Path) -> OnceExposed:
         If it is missing or damaged.
     """
     try:
-        with np.load(io.BytesIO(read_bytes(path, MOST_BYTES)), allow_pickle=False) as file:
-            table = json.loads(str(file["told"]))
-            arrays = {name: file[name] for name in file.files if name != "told"}
-    except UNREADABLE as error:
+        arrays = read_npz(path, MOST_BYTES)
+        table = json.loads(str(arrays.pop("told")))
+    except (UnreadableError, ValueError, KeyError) as error:
         raise DatasetError(
             f"expected a frame at {path}, found it absent or damaged ({error}); delete it and run "
             "the same suite again: only what is missing is done"

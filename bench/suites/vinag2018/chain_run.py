@@ -22,10 +22,10 @@ from models.motion.tumble import CAM_FROM_LVLH
 from models.onboard import OnboardKnowledge, needed
 from pipelines.absolute.pipeline import ORBIT
 from pipelines.absolute.registered import make as make_absolute
+from pipelines.integrated.options import relative_options_for
 from pipelines.integrated.pipeline import IntegratedNavigation
 from pipelines.pipeline import Pipeline
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
-from pipelines.uncooperative.options import options_for
 from pipelines.uncooperative.pipeline import Uncooperative
 from renders.scenario.scenario import Scenario
 from renders.world.build import world_of
@@ -34,6 +34,7 @@ from renders.world.world import World
 CASE = Path(__file__).parents[2] / "cases" / "xmm-vinag.toml"
 NAVIGATED, TRUE = "navigated", "true"
 CHASERS = (NAVIGATED, TRUE)
+REGIME = "leo"
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def follow(task: ChainTask) -> Outcome:
     first_s = world.scenario.times_s[0]
     start = drawn_start(motion.state(first_s), task.start, task.seed, task.run)
     pipeline = _pipeline(task, onboard, Uncooperative(
-        UncooperativeKnowledge.of(onboard), options_for(task.variant), start
+        UncooperativeKnowledge.of(onboard), relative_options_for(task.variant, REGIME), start
     ))  # fmt: skip
     wireframe = needed(onboard.wireframe, "wireframe.json", "the chain")
     camera = needed(onboard.camera, "camera.toml", "the chain")
@@ -132,9 +133,10 @@ def _world(task: ChainTask) -> World:
     start_s = table["motion"]["start_s"]
     table["motion"] |= {"end_s": start_s + task.span_s, "rate_hz": task.rate_hz}
     table["render"]["seed"] = task.seed
+    table["tumble"]["onboard"] = {"sigma_px": task.noise.sigma_px}
     if task.chaser == TRUE:
         table["navigation"]["by"] = "stated"
-        table["tumble"]["onboard"] = {"chaser_sigma_m": 0.0, "chaser_sigma_m_s": 0.0}
+        table["tumble"]["onboard"] |= {"chaser_sigma_m": 0.0, "chaser_sigma_m_s": 0.0}
     return world_of(Scenario.model_validate(table))
 
 

@@ -9,6 +9,7 @@ from bench.report.numbers import number
 from bench.report.page import Page, write_page
 from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
+from bench.report.table import length
 from bench.suites.vinag2018 import figures, star_figure, star_tables, tables
 from bench.suites.vinag2018.cases import CASES, published
 from bench.suites.vinag2018.chain_results import PAPER_DEG, chain_figure, chain_table
@@ -42,6 +43,9 @@ def write_suite_page(
         The file.
     """
     main = [own for part in CASES for own in results.flights.get(part, ())]
+    title, headline = "Beside the paper's statements", tables.stated_table(main)
+    if results.chained and not main:
+        title, headline = "Navigated and true chasers", chain_table(results.chained)
     write_page(
         path,
         Page(
@@ -49,9 +53,9 @@ def write_suite_page(
             heading="VINAG 2018: absolute navigation",
             lead="Orbit, attitude and clock from GNSS, gyroscopes and stars, LEO and GEO",
             label="best",
-            cards=_cards(main),
-            headline_title="Beside the paper's statements",
-            headline=tables.stated_table(main),
+            cards=_cards(main) + _chain_cards(results),
+            headline_title=title,
+            headline=headline,
             before=[],
             after=[*_flights(outcomes, results, main), *_others(outcomes, results)],
             facts=[
@@ -75,6 +79,15 @@ def _cards(main: list[Flown]) -> list[Card]:
                      f"attitude error, {own.cell.case.name}", "three axes, rms"),
             ]  # fmt: skip
     return cards
+
+
+def _chain_cards(results: Results) -> list[Card]:
+    return [
+        Card(length(1e3 * own.position_m), "", "relative position, the chain",
+             f"{own.runs} runs, {number(own.attitude_deg, 2)} deg")
+        for own in results.chained
+        if (own.variant, own.chaser) == ("best", NAVIGATED)
+    ]  # fmt: skip
 
 
 def _flights(outcomes: Outcomes, results: Results, main: list[Flown]) -> list[Section]:

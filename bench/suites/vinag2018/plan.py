@@ -23,7 +23,7 @@ from models.gravity import field as gravity_field
 from models.motion.clohessy_wiltshire import mean_motion
 from models.reading.options import check_option
 from pipelines.absolute.options import VARIANTS, absolute_options_for
-from pipelines.uncooperative.options import options_for
+from pipelines.integrated.options import relative_options_for
 from renders.flight.faults import Faults
 
 PARTS = (
@@ -243,7 +243,8 @@ class Plan:
     def chained(self, variant: str, chaser: str) -> list[WorkUnit]:
         """Return the units of a variant's runs with one kind of chaser, one each."""
         span_s = min(self.sizes.chain_s, self.sizes.span_s(LEO))
-        options = f"{options_text(variant, LEO.regime, False)} {options_for(variant)!r}"
+        own = options_text(variant, LEO.regime, False)
+        options = f"{own} {relative_options_for(variant, LEO.regime)!r}"
         return [
             WorkUnit(
                 name=f"chain/{span_s:.0f}s/{chaser}/{variant}/run_{run:04d}",

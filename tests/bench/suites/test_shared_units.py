@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from rich.console import Console
 
 from bench.runners.chunks import Chunk
 from bench.runners.options import RunnerRequest
+from bench.status.readers import ASKED_NAME
 from bench.suites.request import SuiteRequest
 from bench.suites.shared_units import do_share, shares_of, suite_work
 from bench.suites.spread import do_units
@@ -64,3 +66,10 @@ def test_what_is_missing_is_counted_by_chunk_and_what_is_stale_is_missing(tmp_pa
     assert work.missing() == {2: own[2]}
     assert work.command(2) == ["suite", "draws", "--chunk", "2/3"]
     assert read_outcome(tmp_path / "units", shares_of(draw_units(COUNT), 3)[1][0]) is not None
+
+
+def test_a_chunk_writes_down_all_that_was_asked_for(tmp_path: Path) -> None:
+    """So that the status of the folder counts all units, not a job's."""
+    do_share(MODULE, request_of(tmp_path), Chunk(0, 3), QUIET)
+    asked = json.loads((tmp_path / "units" / ASKED_NAME).read_text())["asked"]
+    assert asked == [unit.name for unit in draw_units(COUNT)]

@@ -1,0 +1,138 @@
+"""One trial: a copy of the ground, a file of it spoilt, a verb in this process, a verdict."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.campaign.hostile.kind import OUT, Kind
+from bench.campaign.hostile.kinds import COMMAND_LINE, KINDS
+from bench.campaign.hostile.spoiling import spoil
+from bench.campaign.hostile.tree import damage, tree
+from bench.campaign.hostile.typed import typed_wrongly
+from bench.campaign.hostile.verb_alone import Reached, no_heavy_work
+from bench.campaign.hostile.verdict import Heard, Verdict, judge
+
+DRAW = 1789  # what else the seed is for
+OURS: tuple[str, ...] = (
+    "pairs/data/score.json", "pairs/data/report.html", "pairs/data/estimates/*",
+    "pairs/data/show/*", "pairs/store/*",
+)  # fmt: skip
+NAMES = (*(kind.name for kind in KINDS), COMMAND_LINE)
+
+
+@dataclass(frozen=True)
+class Told:
+    """A trial, for the table and for who repeats it."""
+
+    kind: str
+    seed: int
+    typed: str
+    spoilt: str
+    how: str
+    verdict: Verdict
+    errors: str
+
+
+def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
+    """Try one seed of a kind.
+
+    Parameters
+    ----------
+    name : str
+    seed : int
+    grounds : Path
+    folder : Path
+        Of the trial; made anew, and left as it is when the trial is over.
+    """
+    random = np.random.default_rng([DRAW, NAMES.index(name), seed])
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "decoy").mkdir(parents=True)
+    (folder / "decoy" / "precious.txt").write_text("not ours\n")
+    place = folder / "here"
+    (place / OUT).mkdir(parents=True)
+    if name == COMMAND_LINE:
+        for ground in ("cases", "pairs"):
+            shutil.copytree(grounds / ground, place / ground)
+        shutil.copytree(folder / "decoy", place / "decoy")
+        typed, how = typed_wrongly(random)
+        spoilt, never_right, allowed = "", False, OURS
+    else:
+        kind = KINDS[NAMES.index(name)]
+        for ground in (kind.ground, *kind.beside):
+            shutil.copytree(grounds / ground, place / ground)
+        done = spoil(random, kind, place / kind.ground)
+        spoilt, how = str(done.path.relative_to(place)), done.how
+        typed = _typed(kind, spoilt, int(random.integers(len(kind.commands))))
+        never_right, allowed = kind.needed and done.never_right, kind.ours
+    before = tree(folder)
+    heard = hear(typed, place)
+    after = tree(folder)
+    if name == COMMAND_LINE:  # it may have been told to write anywhere; but over nothing of others
+        after = {path: after[path] for path in after if path in before}
+    damaged = damage(before, after, [f"here/{each}" for each in (f"{OUT}/*", *allowed)])
+    verdict = judge(heard, never_right=never_right, damaged=damaged, written=place / OUT)
+    return Told(name, seed, " ".join(typed), spoilt, how, verdict, heard.errors)
+
+
+def hear(typed: list[str], place: Path) -> Heard:
+    """Run a verb in a folder of this process's; return what it did and said."""
+    from bench.cli import main
+
+    with _heard(place) as said, no_heavy_work():
+        try:
+            code, escaped = main(typed), ""
+        except Reached:
+            code, escaped = None, ""
+        except BaseException as error:
+            code, escaped = 2, f"{type(error).__name__}: {error}"
+    return Heard(code, said[0], escaped)
+
+
+def _typed(kind: Kind, spoilt: str, number: int) -> list[str]:
+    words = {"file": spoilt, "name": Path(spoilt).name}
+    return [each.format(**words) for each in kind.commands[number]]
+
+
+@contextmanager
+def _heard(place: Path) -> Iterator[list[str]]:
+    """Run in a folder, with both streams in files, as C libraries write to them, too."""
+    was = os.getcwd()
+    kept = os.dup(1), os.dup(2)
+    said = [""]
+    paths = [place.parent.parent / f"said_{number}.{os.getpid()}" for number in (1, 2)]
+    sys.stdout.flush()
+    sys.stderr.flush()
+    for number, path in zip((1, 2), paths, strict=True):
+        opened = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(opened, number)
+        os.close(opened)
+    os.chdir(place)
+    try:
+        with warnings.catch_warnings():
+            _warn_always()
+            yield said
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for number, stream in zip((1, 2), kept, strict=True):
+            os.dup2(stream, number)
+            os.close(stream)
+        os.chdir(was)
+        said[0] = paths[1].read_bytes().decode(errors="backslashreplace")
+
+
+def _warn_always() -> None:
+    """Have warnings that users see told each time, not only the first: a seed repeats its trial."""
+    kinds: tuple[Any, ...] = (RuntimeWarning, UserWarning, SyntaxWarning, FutureWarning)
+    for kind in kinds:
+        warnings.simplefilter("always", kind)

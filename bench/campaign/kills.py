@@ -1,0 +1,120 @@
+"""Verbs killed at random instants, again and again, then left to end: the bytes are the same.
+
+Of a seed, half the kills come as a file is about to get its name, counted in files, so that they
+can be repeated to the step; the others at an instant of the clock, wherever the process then is,
+in a kernel or a library, its workers with it.
+"""
+
+from __future__ import annotations
+
+import shutil
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from bench.campaign.grounds import FORMAT, SUITE
+from bench.campaign.processes import contents, differences, ended, fault_of, kill, start
+
+DRAW = 1815
+MOST_KILLS = 3
+STORE = ("--store", "store")
+KILLED: dict[str, tuple[str, ...]] = {
+    "render": ("render", "cases/small.toml", "--out", "out", *STORE),
+    "run": ("run", "cases/small.toml", "--seeds", "2", "--out", "out", *STORE),
+    "sweep": (
+        "sweep", "cases/small.toml", "--suns", "S2", "S3", "--time-s", "200", "--width", "64",
+        "--out", "out", *STORE,
+    ),
+    "dataset": ("dataset", "cases/spec.toml", "--workers", "2", "--out", "out"),
+    "export": ("export", "pairs/data", "--as", FORMAT, "--out", "out"),
+    "suite": (*SUITE, "--out", "out"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Undisturbed:
+    """A verb that nobody disturbed: what it wrote, in how long, in how many files."""
+
+    made: dict[str, str]
+    seconds: float
+    files: int
+
+
+@dataclass
+class Kills:
+    """The grounds, and what verbs wrote undisturbed.
+
+    Attributes
+    ----------
+    grounds, scratch : Path
+    """
+
+    grounds: Path
+    scratch: Path
+    whole: dict[str, Undisturbed] = field(default_factory=dict)
+
+    def try_one(self, verb: str, seed: int) -> tuple[int, str]:
+        """Kill a verb one to three times, let it end, compare.
+
+        Parameters
+        ----------
+        verb : str
+        seed : int
+
+        Returns
+        -------
+        int, str
+            Kills that found it alive, and the fault; nothing if it stood.
+        """
+        if verb not in self.whole:
+            self.whole[verb] = self._undisturbed(verb)
+        whole = self.whole[verb]
+        random = np.random.default_rng([DRAW, list(KILLED).index(verb), seed])
+        place, killed = self._place(f"{verb}-{seed}"), 0
+        for _ in range(int(random.integers(1, MOST_KILLS + 1))):
+            at_a_file, share = random.random() < 0.5, random.random()
+            if at_a_file:
+                process = start(KILLED[verb], place, struck=int(share * whole.files))
+                code = ended(process).code
+            else:
+                process = start(KILLED[verb], place)
+                time.sleep(share * whole.seconds)
+                kill(process)
+                code = process.returncode
+            if code not in (0, -9):
+                return killed, f"exit code {code} of a verb that was killed and went on"
+            killed += code != 0
+        fault = fault_of(ended(start(KILLED[verb], place)), 0)
+        fault = fault or differences(whole.made, _made(place))
+        if not fault and (left := sorted(place.rglob("*.part"))):
+            fault = f"left {left[0].relative_to(place)}"
+        if not fault:
+            shutil.rmtree(place)
+        return killed, fault
+
+    def _undisturbed(self, verb: str) -> Undisturbed:
+        place = self._place(verb)
+        began = time.monotonic()
+        fault = fault_of(ended(start(KILLED[verb], place)), 0)
+        assert not fault, fault
+        files = sum(path.is_file() for path in (place / "out").rglob("*"))
+        return Undisturbed(_made(place), time.monotonic() - began, files)
+
+    def _place(self, name: str) -> Path:
+        place = self.scratch / name
+        shutil.rmtree(place, ignore_errors=True)
+        place.mkdir(parents=True)
+        for ground in ("cases", "pairs"):
+            (place / ground).symlink_to(self.grounds / ground)
+        return place
+
+
+def _made(place: Path) -> dict[str, str]:
+    return {
+        f"{name}/{path}": digest
+        for name in ("out", "store")
+        if (place / name).is_dir()
+        for path, digest in contents(place / name).items()
+    }

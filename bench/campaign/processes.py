@@ -1,0 +1,125 @@
+"""Verbs in processes of their own, to be killed, and folders to be compared."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from bench.campaign.hostile.verdict import Heard, fault_of_message
+
+PROGRAM = "import sys; from bench.cli import main; sys.exit(main())"
+STRUCK = """
+import os, pathlib, signal, sys
+number, rename = int(sys.argv.pop(1)), pathlib.Path.replace
+def replace(scratch, place):
+    global number
+    number -= 1
+    if number < 0:
+        os.killpg(0, signal.SIGKILL)
+    return rename(scratch, place)
+pathlib.Path.replace = replace
+"""
+TIME_LIMIT_S = 3600.0  # a machine may be slow; a process that waits for nothing is the tests' work
+NEVER_THE_SAME = (
+    "*.html", "*.runtime.csv", "*.seconds.json", "claims/*.json", "made", "*.part",
+)  # fmt: skip
+KEYS_NEVER_THE_SAME = frozenset({"runtime_ms", "store", "seconds", "frame_ms"})
+
+
+def start(
+    typed: Sequence[object], cwd: Path, env: Mapping[str, str] | None = None, struck: int = -1
+) -> subprocess.Popen[str]:
+    """Start a verb in a process group of its own.
+
+    Parameters
+    ----------
+    typed : sequence
+    cwd : Path
+    env : mapping, optional
+        Variables beside this process's.
+    struck : int
+        Files that get their names before the whole group is killed, just before the next one does;
+        below zero for never.
+    """
+    program = (STRUCK + PROGRAM, str(struck)) if struck >= 0 else (PROGRAM,)
+    return subprocess.Popen(
+        [sys.executable, "-P", "-c", *program, *map(str, typed)],
+        cwd=cwd,
+        env={**os.environ, **(env or {})},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def ended(process: subprocess.Popen[str], limit_s: float = TIME_LIMIT_S) -> Heard:
+    """Wait for a verb to end; kill its group where it does not."""
+    try:
+        _, errors = process.communicate(timeout=limit_s)
+    except subprocess.TimeoutExpired:
+        kill(process)
+        return Heard(None, "", f"hangs: not done after {limit_s:g} s")
+    return Heard(process.returncode, errors)
+
+
+def kill(process: subprocess.Popen[str]) -> None:
+    """Kill a verb and whatever it started."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def fault_of(heard: Heard, *codes: int) -> str:
+    """Return what is wrong with how a verb ended; nothing if it is one of the codes that may be."""
+    if heard.escaped:
+        return heard.escaped
+    if "Traceback (most recent call last)" in heard.errors:
+        return f"traceback: {heard.errors[-600:]}"
+    if heard.code not in codes:
+        return f"exit code {heard.code}: {heard.errors[-600:]}"
+    return fault_of_message(heard)
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Return a hash of every file below a folder: runtimes, and what names folders, apart."""
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(_lasting(path)).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and not any(path.match(each) for each in NEVER_THE_SAME)
+    }
+
+
+def differences(one: Mapping[str, str], other: Mapping[str, str]) -> str:
+    """Return what of two folders differs, in words; nothing if nothing does."""
+    told = [
+        *(f"{name} is missing" for name in sorted(set(one) - set(other))),
+        *(f"{name} is more" for name in sorted(set(other) - set(one))),
+        *(f"{name} differs" for name in sorted(set(one) & set(other)) if one[name] != other[name]),
+    ]
+    return ", ".join(told[:4])
+
+
+def _lasting(path: Path) -> bytes:
+    if path.suffix != ".json":
+        return path.read_bytes()
+    try:
+        return json.dumps(_without(json.loads(path.read_bytes())), sort_keys=True).encode()
+    except ValueError:
+        return path.read_bytes()
+
+
+def _without(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_without(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: _without(item) for key, item in value.items() if key not in KEYS_NEVER_THE_SAME}

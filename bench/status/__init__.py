@@ -1,0 +1,1 @@
+"""What of a folder of ours is done, runs, failed and is left."""
