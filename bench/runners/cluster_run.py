@@ -124,6 +124,12 @@ def only_submitter(place: Path) -> Iterator[None]:
 def queue_of(request: RunnerRequest, work: SharedWork, record: JobRecord) -> Queue:
     """Return the cluster as a job sees it.
 
+    Parameters
+    ----------
+    request : RunnerRequest
+    work : SharedWork
+    record : JobRecord
+
     Raises
     ------
     RunnerError

@@ -91,6 +91,17 @@ def runner_request(
 ) -> RunnerRequest | None:
     """Return what was asked; None where this process is to do the work.
 
+    Parameters
+    ----------
+    runner : str
+        local, slurm or dask.
+    jobs : int or None
+    workers : int or None
+    sbatch : tuple of str
+    scheduler : str or None
+    chunk : str or None
+        Each as it was typed.
+
     Raises
     ------
     ScenarioError

@@ -66,7 +66,15 @@ class Suite:
         return found(request, console)
 
     def do_share(self, request: SuiteRequest, chunk: Chunk, console: Console) -> int:
-        """Do the units of a chunk; return how many were done now."""
+        """Do the units of a chunk; return how many were done now.
+
+        Parameters
+        ----------
+        request : SuiteRequest
+        chunk : Chunk
+        console : Console
+            For progress.
+        """
         from bench.suites.shared_units import do_share
 
         begin(request.out, self.name)

@@ -48,6 +48,13 @@ def units_of(request: SuiteRequest) -> list[WorkUnit]:
 def prepare(request: SuiteRequest, units: Sequence[WorkUnit], console: Console) -> None:
     """Render the frames that some units, which are not done, fly over.
 
+    Parameters
+    ----------
+    request : SuiteRequest
+    units : sequence of WorkUnit
+    console : Console
+        For progress.
+
     Raises
     ------
     ScenarioError, VariantError, StorageError
