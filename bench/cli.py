@@ -32,6 +32,7 @@ from bench.status.verb import Status
 from bench.store.verb import Store
 from bench.suites.verb import Suite
 from bench.sweep.verb import Sweep
+from bench.viewing.verb import View
 from models.errors import RvbenchError, ScenarioError
 from models.reading.shown import shown
 
@@ -49,6 +50,7 @@ VERBS: dict[str, type[Any]] = {
     "score": Score,
     "compare": Compare,
     "report": verbs.Report,
+    "view": View,
     "show": verbs.Show,
     "inspect": Inspect,
     "export": Export,

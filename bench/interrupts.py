@@ -37,6 +37,7 @@ WHAT_IS_KEPT = {
     "score": "score.json is as it was before, or new and whole",
     "compare": "each file of the comparison is as it was before, or new and whole",
     "report": "report.html is as it was before, or new and whole",
+    "view": "nothing was changed",
     "export": GOES_ON,
     "inspect": "each file is as it was before, or new and whole",
     "show": "the picture is as it was before, or new and whole",

@@ -319,6 +319,9 @@ CAMERAS: dict[str, Camera] = {
     # Opromolla et al. 2022, Tables 1 and 3. The field of view decides, see the reference tables.
     "chaser_fixed": Camera.from_fov(2048, 2048, 50.0),
     "eye_in_hand": Camera.from_fov(2048, 2048, 45.0),
+    # Capuano et al. 2018 (VINAG), section 4.2: a lens of +-50 deg, two formats.
+    "vinag_1080p": Camera.from_fov(1920, 1080, 100.0),
+    "vinag_720p": Camera.from_fov(1280, 720, 100.0),
 }
 
 

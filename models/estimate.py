@@ -52,11 +52,15 @@ class PoseEstimate:
         pipeline states none.
     residual_rms_px : float or None, px
         Root mean square of the reprojection error per axis, over the matches used.
+    wrong_probability : float or None
+        That this is another pose than the true one, not a little off as its covariance has it but
+        a different one; None if the pipeline states none.
     """
 
     cam_from_target: RigidTransform
     covariance: Floats | None = None
     residual_rms_px: float | None = None
+    wrong_probability: float | None = None
 
     @property
     def stated_covariance(self) -> Floats:

@@ -66,6 +66,11 @@ class FlightExpectations:
         A coarse range, nearest and farthest.
     inertia_kg_m2 : (3, 3) array or None
         Of the target about its centre of mass, target axes; any multiple serves.
+    sun_dir_in_inertial : (3,) array or None
+        Unit vector towards the Sun by the ephemeris on board, in the axes of the chaser's orbit.
+    sun_sigma_deg : float, deg
+        1-sigma per axis of that direction as the camera sees it: the ephemeris is nearly exact,
+        the chaser's own attitude is not.
     """
 
     cam_from_lvlh: RigidTransform
@@ -74,6 +79,8 @@ class FlightExpectations:
     chaser_sigma_m_s: float = 0.0
     range_m: tuple[float, float] | None = None
     inertia_kg_m2: Floats | None = None
+    sun_dir_in_inertial: Floats | None = None
+    sun_sigma_deg: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

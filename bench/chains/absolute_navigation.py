@@ -23,4 +23,5 @@ CHAIN = Chain(
     show=lazily("bench.report.flights.page:no_picture"),
     verdict=lazily("bench.report.flights.page:verdict"),
     legend="",
+    scene=lazily("bench.report.flights.scene:scene"),
 )

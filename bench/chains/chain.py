@@ -17,11 +17,14 @@ from models.pose import RigidTransform
 
 if TYPE_CHECKING:  # scoring and reporting load much that estimating must not
     from bench.estimating.runs import Run
-    from bench.pictures.frame_record import FrameRecord
+    from bench.pictures.frame_record import FrameRecord, FrameRecords
     from bench.pictures.marks import Layer
     from bench.report.parts import ReportInput, ReportParts
+    from bench.report.scene_addition import SceneAddition
     from bench.report.table import Table
     from bench.scoring.judgement import Judgement, TrueScene
+
+EstimatesByPipeline = Mapping[str, Mapping[int, Estimate]]
 
 
 class FrameTruth(Protocol):
@@ -100,11 +103,15 @@ class Chain:
         ``verdict(record)``: one line of how wrong an estimate is.
     legend : str
         What the marks of ``picture`` mean.
-    signal : callable, optional
-        ``signal(record)``: a frame's image above the bias, (height, width) or (height, width, 3),
-        DN, for a page whose reader chooses marks and greys; without it the page has no such image.
+    signals : callable, optional
+        ``signals(record)``: a frame's images above the bias by their names, (height, width) or
+        (height, width, 3), DN, that of the marks first, for a page whose reader chooses image,
+        marks and greys; without it the page has no such image.
     layers : callable, optional
         ``layers(record)``: the marks of ``picture`` as numbers.
+    scene : callable, optional
+        ``scene(records, estimates)``, the latter of run 0 by pipeline: what a page's scene shows
+        besides target, camera and Sun; see ``bench.report.scene_addition``.
     greys : str
         How its grey levels come about; empty where the legend says it all.
     judge_alone : callable, optional
@@ -133,8 +140,9 @@ class Chain:
     verdict: Callable[[FrameRecord], str]
     legend: str
     greys: str = ""
-    signal: Callable[[FrameRecord], Floats] | None = None
+    signals: Callable[[FrameRecord], Mapping[str, Floats]] | None = None
     layers: Callable[[FrameRecord], Sequence[Layer]] | None = None
+    scene: Callable[[FrameRecords, EstimatesByPipeline], SceneAddition] | None = None
     judge_alone: Callable[[Estimate, Any, TrueScene], Judgement] | None = None
     trials: Callable[[Dataset, int], list[Path]] | None = None
     brought: Mapping[str, str] = field(default_factory=dict)

@@ -20,6 +20,6 @@ CHAIN = replace(
     parts=(*MARKER_PARTS, ScorePart("rivals", lazily("bench.scoring.dots.rivals:rivals")), ASKED),
     report=lazily("bench.report.dots.page:report"),
     picture=lazily("bench.pictures.dot_picture:overlay"),
-    signal=lazily("bench.pictures.dot_picture:colour_signal"),
+    signals=lazily("bench.pictures.dot_picture:signals"),
     show=lazily("bench.pictures.dot_picture:draw"),
 )

@@ -23,6 +23,6 @@ CHAIN = Chain(
     verdict=lazily("bench.pictures.wireframe_overlay:verdict"),
     legend="the image as taken; green: the wireframe at the estimated pose; cyan: at the true one",
     greys=STRETCH,
-    signal=lazily("bench.pictures.wireframe_overlay:signal"),
+    signals=lazily("bench.pictures.wireframe_overlay:signals"),
     layers=lazily("bench.pictures.wireframe_overlay:layers"),
 )

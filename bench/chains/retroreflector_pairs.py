@@ -35,6 +35,6 @@ CHAIN = Chain(
         "cyan ticks: truth"
     ),
     greys=STRETCH,
-    signal=lazily("bench.pictures.marker_overlay:signal"),
+    signals=lazily("bench.pictures.marker_overlay:signals"),
     layers=lazily("bench.pictures.marker_overlay:layers"),
 )

@@ -32,7 +32,7 @@ CHAIN = Chain(
         "red circle: detected corner (dim: matched to no landmark)"
     ),
     greys=STRETCH,
-    signal=lazily("bench.pictures.wireframe_overlay:signal"),
+    signals=lazily("bench.pictures.wireframe_overlay:signals"),
     layers=lazily("bench.pictures.wireframe_overlay:layers"),
     trials=lazily("bench.estimating.tumble.starts:try_starts"),
 )

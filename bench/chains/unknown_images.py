@@ -27,4 +27,7 @@ CHAIN = Chain(
     verdict=lazily("bench.pictures.track_picture:verdict"),
     legend="green: tracks that are points of the shape; red: tracks that are none, or not yet",
     greys=STRETCH,
+    signals=lazily("bench.pictures.wireframe_overlay:signals"),
+    layers=lazily("bench.pictures.track_picture:layers"),
+    scene=lazily("bench.report.unknown.scene:scene"),
 )

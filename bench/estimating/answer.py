@@ -126,6 +126,7 @@ def _as_said(possible: Estimate, record: dict[str, Any]) -> Estimate:
             RigidTransform(_array(rotation), _array(translation)),
             None if pose.covariance is None else _array(own["covariance_rad_m"]),
             pose.residual_rms_px,
+            pose.wrong_probability,
         )
     states = {
         name: NamedState(

@@ -26,6 +26,11 @@ def colour_signal(record: FrameRecord) -> Floats:
     return np.asarray((colours - record.detector.bias_dn) * (WHITE / WHITE.max()))
 
 
+def signals(record: FrameRecord) -> dict[str, Floats]:
+    """Return a frame's image by its name, (height, width, 3), see ``colour_signal``."""
+    return {"colour": colour_signal(record)}
+
+
 def overlay(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
     """Return a frame as a picture in colour with its marks, (height, width_px, 3), RGB."""
     return marker_overlay.overlay(record, width_px, colour_signal(record))

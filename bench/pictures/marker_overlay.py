@@ -19,7 +19,7 @@ from bench.pictures.stretch import stretch
 from bench.report.numbers import number, numbers
 from bench.scoring.judgement import NO_REASON
 from models.arrays import AnyArray, Floats
-from models.frame import IMAGE, IMAGE_850
+from models.frame import IMAGE, IMAGE_800, IMAGE_850
 from models.markers import MarkerPattern
 from models.onboard import needed
 from models.pose import pose_error
@@ -122,6 +122,15 @@ def signal(record: FrameRecord) -> Floats:
     """Return the last image of a frame less its bias, (height, width), DN."""
     stream = IMAGE_850 if IMAGE_850 in record.frame.readings else IMAGE
     return np.asarray(record.image(stream).astype(np.float64) - record.detector.bias_dn)
+
+
+def signals(record: FrameRecord) -> dict[str, Floats]:
+    """Return the images of a pair less their bias, (height, width), DN; that of the marks first."""
+    bias_dn = record.detector.bias_dn
+    return {
+        name: np.asarray(record.image(stream).astype(np.float64) - bias_dn)
+        for name, stream in (("850 nm", IMAGE_850), ("800 nm", IMAGE_800))
+    }
 
 
 def _draw_marks(picture: NDArray[np.uint8], record: FrameRecord, scale: float) -> None:

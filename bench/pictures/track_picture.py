@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.pictures.frame_record import FrameRecord
+from bench.pictures.marks import Layer
 from bench.pictures.wireframe_overlay import ESTIMATE_GREEN, MARGIN, Canvas, Window
 from bench.report.numbers import number
 from bench.scoring.judgement import NO_REASON
@@ -72,6 +73,15 @@ def with_trails(
     for pixel, used in zip(found.points_px, found.used, strict=True):
         canvas.circle(pixel, ESTIMATE_GREEN if used else UNUSED_RED)
     return canvas.picture
+
+
+def layers(record: FrameRecord) -> list[Layer]:
+    """Return the tracks of a frame: those that go by no point of the shape are dim."""
+    if record.estimate is None or record.estimate.detections is None:
+        return []
+    found = record.estimate.detections
+    dim = tuple(not used for used in found.used)
+    return [Layer("tracks", False, "circle", tuple(found.points_px), dim=dim)]
 
 
 def verdict(record: FrameRecord) -> str:

@@ -124,9 +124,10 @@ def edge_lines_px(
                 yield line[[*run[:-1:step], run[-1]]]
 
 
-def signal(record: FrameRecord) -> Floats:
-    """Return the image of a frame less its bias, (height, width), DN."""
-    return np.asarray(record.image(IMAGE).astype(np.float64) - record.detector.bias_dn)
+def signals(record: FrameRecord) -> dict[str, Floats]:
+    """Return the image of a frame less its bias, (height, width), DN, by its name."""
+    image = record.image(IMAGE).astype(np.float64)
+    return {"image": np.asarray(image - record.detector.bias_dn)}
 
 
 def _seen_pieces(

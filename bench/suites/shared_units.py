@@ -17,6 +17,7 @@ from bench.runners.shared_work import SharedWork
 from bench.suites.request import SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import WorkUnit, is_done, outcome_path
+from models.errors import ScenarioError
 
 
 def shares_of(units: Sequence[WorkUnit], chunks: int) -> list[list[WorkUnit]]:
@@ -37,7 +38,7 @@ def do_share(module: str, request: SuiteRequest, chunk: Chunk, console: Console)
     console : Console
         For progress.
     """
-    suite: Any = import_module(module)
+    suite = _that_is_shared_out(module, request)
     units = suite.units_of(request)
     own = shares_of(units, chunk.of)[chunk.number]
     folder = request.out / "units"
@@ -62,10 +63,21 @@ def suite_work(
     arguments : sequence of str
         What one types for it.
     """
-    units = import_module(module).units_of(replace(request, chunk=None))
+    suite = _that_is_shared_out(module, request)
+    units = suite.units_of(replace(request, chunk=None))
     own = shares_of(units, runner.jobs)
     missing = MissingUnits(request.out / "units", own)
     return SharedWork(request.out, tuple(arguments), runner.jobs, len(units), missing, "units")
+
+
+def _that_is_shared_out(module: str, request: SuiteRequest) -> Any:
+    suite = import_module(module)
+    if not hasattr(suite, "units_of"):
+        raise ScenarioError(
+            f"expected a suite whose units can be shared out, {request.name}'s cannot yet: leave "
+            "out --runner and --chunk"
+        )
+    return suite
 
 
 class MissingUnits:

@@ -51,7 +51,8 @@ class Suite:
     what is left is told as it runs. vinag2018 (parts leo, geo, model, lasting, mask, faults,
     sampling, availability, stars, dataset) takes a night of two cores, with --quick less than half
     an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as
-    S2 or E-SB) renders its frames; what that takes is told before it starts.
+    S2 or E-SB) renders its frames; what that takes is told before it starts. uncooperative-suns
+    (parts: targets, xmm and hispasat, or the TOML of your own) takes an hour of one core a target.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]
@@ -66,7 +67,7 @@ class Suite:
     """a small version of everything, in minutes, to see it work"""
     runs: OptionalCount = None
     """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
-    opromolla2022 (100)"""
+    opromolla2022 (100), or starts of each target of uncooperative-suns (500)"""
     acquisitions: OptionalCount = None
     """acquisitions of each case (1000, of which the paper's table takes the first 100), or
     attitudes of vinag2018's star camera (1000)"""
@@ -80,7 +81,7 @@ class Suite:
     rate_hz: OptionalNumber = None
     """frames a second, of a suite that renders (opromolla2022: 1; the paper's is 5)"""
     width: OptionalCount = None
-    """columns of rendered images (opromolla2022: 2048)"""
+    """columns of rendered images (opromolla2022: 2048, uncooperative-suns: 1024)"""
     store: OptionalFolder = None
     """where rendered light is kept"""
     store_budget_gb: OptionalNumber = None

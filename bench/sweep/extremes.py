@@ -39,7 +39,7 @@ class Extreme:
     @property
     def title(self) -> str:
         """Return its rank and Sun."""
-        rank = self.name.replace("_", " ")
+        rank = self.name.replace("_", " ").replace("best", "kindest").capitalize()
         return (
             f"{rank} · Sun at azimuth {self.row.azimuth_deg:.4g}, elevation "
             f"{self.row.elevation_deg:.4g} deg"

@@ -51,9 +51,10 @@ def write_outcome(result: SweepResult) -> SweepFiles:
     for place, setting in enumerate(result.settings, start=1):
         name = "sun_map.png" if len(result.settings) == 1 else f"sun_map_{place}.png"
         rows = rows_of(result, setting, result.map_pipeline)
-        data = sun_map(title(result), setting, rows, _thumbnails(result, setting, rows))
-        write_bytes(out / name, data)
-        maps.append(MapOnPage(setting, out / name, data))
+        thumbnails = _thumbnails(result, setting, rows)
+        drawn = sun_map(title(result), setting, rows, thumbnails)
+        write_bytes(out / name, drawn.png)
+        maps.append(MapOnPage(setting, out / name, drawn, rows, thumbnails))
     shown = extremes(result, result.settings[0])
     pictures = write_extremes(out, shown)
     page = write_page(out / "sweep.html", result, title(result), maps, shown)

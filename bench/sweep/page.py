@@ -14,17 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.pictures.stretch import STRETCH
+from bench.report.explorer.inlined import policy
 from bench.report.filmstrip import jpeg
 from bench.report.numbers import number
-from bench.sweep.extremes import Extreme
+from bench.sweep.extremes import Extreme, told
 from bench.sweep.run import SweepResult
-from bench.sweep.sun_map import MEANINGS
+from bench.sweep.sun_map import MEANINGS, SunMap
 from bench.sweep.table import VERDICTS, Row, Setting, saturated, setting_of
 from models.atomic_file import write_text
 
 TEMPLATE = "page.html.jinja"
 STYLES = Path(__file__).parent.parent / "report"
 OTHER_MAPS_PX = 1100  # width of all maps but the first, which lie at full size beside the page
+MOST_FRAMES = 600  # small frames on the page, beyond those of the first map
 MOST_ROWS = 1000  # of the table on the page; the CSV has them all
 HEAD = (
     "Sun, az/el deg", "verdict", "found", "in the Sun", "position, mm", "x", "y", "z",
@@ -34,11 +36,13 @@ HEAD = (
 
 @dataclass(frozen=True, eq=False)
 class MapOnPage:
-    """One setting's map: where it lies, and its bytes."""
+    """One setting's map: where it lies, itself, and the rows and frames on it."""
 
     setting: Setting
     path: Path
-    png: bytes
+    drawn: SunMap
+    rows: Sequence[Row]
+    thumbnails: Sequence[NDArray[np.uint8]]
 
 
 def write_page(
@@ -82,16 +86,21 @@ def _context(
         (setting.title, [_cells(row) for row in own if setting_of(row) == setting])
         for setting in result.settings
     ]
+    frames = np.cumsum([len(each.rows) for each in maps])
+    with_frames = set(np.flatnonzero(frames <= MOST_FRAMES).tolist()) | {0}
     return {
         "title": title,
+        "policy": policy(()),
         "scenario": scenario,
         "camera": scenario.simulated_camera,
         "pipeline": result.map_pipeline,
         "maps": [
             {
                 "title": each.setting.title,
+                "alt": _alt(each),
                 "file": each.path.name,
-                "source": _png(each.png) if place == 0 else _smaller(each.png),
+                "source": _png(each.drawn.png) if place == 0 else _smaller(each.drawn.png),
+                "tiles": _tiles(each) if place in with_frames else [],
             }
             for place, each in enumerate(maps)
         ],
@@ -112,6 +121,27 @@ def _context(
         "stretch": STRETCH,
         "provenance": result.provenance,
     }
+
+
+def _alt(own: MapOnPage) -> str:
+    """Say what is seen on a map."""
+    counts = {verdict: sum(row.verdict == verdict for row in own.rows) for verdict in VERDICTS}
+    told = ", ".join(f"{MEANINGS[verdict]}: {count}" for verdict, count in counts.items() if count)
+    return f"Map of {len(own.rows)} Sun directions, each with its frame; {told}"
+
+
+def _tiles(own: MapOnPage) -> list[dict[str, Any]]:
+    """Return each direction's frame with its place on the map."""
+    return [
+        {
+            "sun": f"Sun at azimuth {row.azimuth_deg:.4g}, elevation {row.elevation_deg:.4g} deg",
+            "verdict": f"{row.verdict}: {told(row)}",
+            "lost": row.verdict == "no pose",
+            "box": box,
+            "source": jpeg(_rgb(thumbnail)),
+        }
+        for row, thumbnail, box in zip(own.rows, own.thumbnails, own.drawn.boxes, strict=True)
+    ]
 
 
 def _counts(result: SweepResult) -> list[list[str]]:

@@ -41,7 +41,7 @@ from renders.tracing.light_groups import LightGroup
 from renders.world.build import world_of
 
 SHOT_FORMAT, SHOT_VERSION = "rvbench-shot", 2
-THUMBNAIL_PX = 160
+THUMBNAIL_PX = 256
 RUN = 0  # whose detector noise and prior: those of `rvbench run`
 
 

@@ -67,6 +67,14 @@ class Tile:
     size_deg: float
 
 
+@dataclass(frozen=True)
+class SunMap:
+    """A map as a PNG, and where each direction's frame lies on it, see ``tile_boxes``."""
+
+    png: bytes
+    boxes: list[tuple[float, float, float, float]]
+
+
 def on_sphere(azimuth_deg: float, elevation_deg: float) -> tuple[float, float]:
     """Return where a direction lies on the sinusoidal map, deg; azimuth 0 is in the middle."""
     around_deg = (azimuth_deg + 180.0) % 360.0 - 180.0
@@ -124,7 +132,7 @@ def tiles_in_rows(rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]) 
 
 def sun_map(
     title: str, setting: Setting, rows: Sequence[Row], thumbnails: Sequence[NDArray[np.uint8]]
-) -> bytes:
+) -> SunMap:
     """Draw the map of one setting.
 
     Parameters
@@ -139,13 +147,30 @@ def sun_map(
 
     Returns
     -------
-    bytes
-        A PNG.
+    SunMap
     """
     figure = sun_map_figure(title, setting, rows, thumbnails)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": "rvbench"})
-    return stream.getvalue()
+    return SunMap(stream.getvalue(), tile_boxes(figure))
+
+
+def tile_boxes(figure: Figure) -> list[tuple[float, float, float, float]]:
+    """Return where each direction's frame lies on a drawn map: left, top, width, height in percent.
+
+    Parameters
+    ----------
+    figure : Figure
+        See ``sun_map_figure``.
+    """
+    panel, boxes = figure.axes[0], []
+    to_figure = panel.transData + figure.transFigure.inverted()
+    for image in panel.images:
+        left, right, low, high = image.get_extent()
+        (x0, y0), (x1, y1) = to_figure.transform([(left, low), (right, high)])
+        box = np.round([100.0 * x0, 100.0 * (1.0 - y1), 100.0 * (x1 - x0), 100.0 * (y1 - y0)], 3)
+        boxes.append((float(box[0]), float(box[1]), float(box[2]), float(box[3])))
+    return boxes
 
 
 def sun_map_figure(

@@ -5,13 +5,15 @@ The first line says ``{"format": "rvbench-estimates", "version": 2}``. The other
 
     {"frame": 3, "time_s": 0.6, "mode": "tracked",
      "pose": {"R_cam_from_target": [[...]], "t_cam_from_target_m": [...],
-              "covariance_rad_m": [[...]], "residual_rms_px": 0.02},
+              "covariance_rad_m": [[...]], "residual_rms_px": 0.02,
+              "wrong_probability": 0.001},
      "detections": {"points_px": [[...]], "sigma_px": [[...]], "marker": [...], "used": [...]},
      "states": {"relative_translation": {"values": {"rho_in_lvlh_m": [...]},
                                          "covariance": [[...]]}}}
 
-Where there is no pose, ``reason`` says why. Covariance, residual, detections and states may be left
-out. The same estimates give the same bytes: nothing that changes from run to run is in the file.
+Where there is no pose, ``reason`` says why. Covariance, residual, the probability that the pose is
+another than the true one, detections and states may be left out. The same estimates give the same
+bytes: nothing that changes from run to run is in the file.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from models.dataset.named_states import read_states, state_to_json
 from models.errors import DatasetError, UnreadableError, cause
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.pose import RigidTransform
-from models.reading.bounds import FRAME, LENGTH_M, MOST_PROSE, POINT_PX, SIGMA_PX, TIME_S
+from models.reading.bounds import FRAME, LENGTH_M, MOST_PROSE, POINT_PX, SIGMA_PX, TIME_S, UNIT
 from models.reading.csv_table import read_csv
 from models.reading.fields import Fields
 from models.reading.json_file import read_json_lines
@@ -190,19 +192,23 @@ def _pose_to_json(pose: PoseEstimate) -> dict[str, Any]:
         record["covariance_rad_m"] = np.asarray(pose.covariance).tolist()
     if pose.residual_rms_px is not None:
         record["residual_rms_px"] = float(pose.residual_rms_px)
+    if pose.wrong_probability is not None:
+        record["wrong_probability"] = float(pose.wrong_probability)
     return record
 
 
 def _pose(fields: Fields) -> PoseEstimate:
     fields.only(
-        ("R_cam_from_target", "t_cam_from_target_m"), ("covariance_rad_m", "residual_rms_px")
+        ("R_cam_from_target", "t_cam_from_target_m"),
+        ("covariance_rad_m", "residual_rms_px", "wrong_probability"),
     )
     covariance = fields.covariance("covariance_rad_m", 6) if "covariance_rad_m" in fields else None
     residual = (
         fields.number("residual_rms_px", 0.0, POINT_PX[1]) if "residual_rms_px" in fields else None
     )
+    doubt = fields.number("wrong_probability", *UNIT) if "wrong_probability" in fields else None
     pose: RigidTransform = fields.pose("R_cam_from_target", "t_cam_from_target_m", *LENGTH_M)
-    return PoseEstimate(pose, covariance, residual)
+    return PoseEstimate(pose, covariance, residual, doubt)
 
 
 def _detections(fields: Fields) -> Detections:

@@ -20,6 +20,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomli_w
 
 from models.camera import Camera
@@ -38,6 +39,7 @@ PRIOR, WIREFRAME, EXPECTATIONS = "prior.toml", "wireframe.json", "knowledge.toml
 SIGMAS = "sigmas.toml"
 LARGEST_INERTIA_KG_M2 = 1e9
 MOST_SIGMAS = 1000
+UNIT_TOLERANCE = 1e-3  # a direction typed with four digits is one
 KNOWN = (CAMERA, DETECTOR, OPTICS, MARKERS, PRIOR, WIREFRAME, EXPECTATIONS, SIGMAS)
 
 
@@ -139,6 +141,9 @@ def expectations_to_toml(expected: FlightExpectations) -> str:
         table["range_m"] = [float(edge) for edge in expected.range_m]
     if expected.inertia_kg_m2 is not None:
         table["inertia_kg_m2"] = expected.inertia_kg_m2.tolist()
+    if expected.sun_dir_in_inertial is not None:
+        table["sun_dir_in_inertial"] = expected.sun_dir_in_inertial.tolist()
+        table["sun_sigma_deg"] = float(expected.sun_sigma_deg)
     return tomli_w.dumps(table)
 
 
@@ -152,13 +157,21 @@ def read_expectations(path: Path) -> FlightExpectations:
     """
     fields = Fields(read_toml(path), path)
     sigmas = ("sigma_px", "chaser_sigma_m", "chaser_sigma_m_s")
-    fields.only(("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas), ("range_m", "inertia_kg_m2"))
+    fields.only(
+        ("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas),
+        ("range_m", "inertia_kg_m2", "sun_dir_in_inertial", "sun_sigma_deg"),
+    )
     span = fields.vector("range_m", 2, 0.0, ORBIT_M[1]) if "range_m" in fields else None
     if span is not None and not 0.0 < span[0] <= span[1]:
         raise fields.refusal("range_m", "as nearest and farthest, m", span.tolist())
     inertia = None
     if "inertia_kg_m2" in fields:
         inertia = fields.covariance("inertia_kg_m2", 3, LARGEST_INERTIA_KG_M2)
+    sun = None
+    if "sun_dir_in_inertial" in fields:
+        sun = fields.vector("sun_dir_in_inertial", 3, -1.001, 1.001)
+        if not abs(np.linalg.norm(sun) - 1.0) < UNIT_TOLERANCE:
+            raise fields.refusal("sun_dir_in_inertial", "of length 1", sun.tolist())
     return FlightExpectations(
         cam_from_lvlh=fields.pose("R_cam_from_lvlh", "t_cam_from_lvlh_m", *LENGTH_M),
         sigma_px=fields.number("sigma_px", *SIGMA_PX, above=0.0),
@@ -166,6 +179,10 @@ def read_expectations(path: Path) -> FlightExpectations:
         chaser_sigma_m_s=fields.number("chaser_sigma_m_s", 0.0, SPEED_M_S[1]),
         range_m=None if span is None else (float(span[0]), float(span[1])),
         inertia_kg_m2=inertia,
+        sun_dir_in_inertial=sun,
+        sun_sigma_deg=(
+            fields.number("sun_sigma_deg", 0.0, 180.0) if "sun_sigma_deg" in fields else 0.0
+        ),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,8 @@ class AbsoluteKnowledge:
     q_inertial_from_body_wxyz : (4,) array
     lasting : bool
         Whether the errors of ranges are known to last.
+    relative_from_s : float, s
+        When an integrated unit turns to its target; before, it navigates for itself alone.
     """
 
     regime: str
@@ -41,6 +44,7 @@ class AbsoluteKnowledge:
     velocity_m_s: Floats
     q_inertial_from_body_wxyz: Floats
     lasting: bool = False
+    relative_from_s: float = -np.inf
 
     @classmethod
     def of(cls, onboard: OnboardKnowledge) -> AbsoluteKnowledge:
@@ -72,7 +76,15 @@ class AbsoluteKnowledge:
             _numbers(table.get("velocity_m_s"), 3, "velocity_m_s"),
             quaternion / length,
             bool(table.get("lasting", False)),
+            _time(table),
         )
+
+
+def _time(table: dict[str, Any]) -> float:
+    told = table.get("relative_from_s", -np.inf)
+    if isinstance(told, bool) or not isinstance(told, int | float) or np.isnan(told):
+        raise DatasetError(f"{FILE}: expected relative_from_s as a time in s, got {told!r}")
+    return float(told)
 
 
 def _numbers(told: object, count: int, name: str) -> Floats:

@@ -37,15 +37,22 @@ class IntegratedNavigation:
     relative : Uncooperative
     cam_from_body : RigidTransform
         How the camera is mounted.
+    relative_from_s : float, s
+        Images before it are passed by: the unit is in its absolute mode (section 3).
     """
 
     def __init__(
-        self, absolute: AbsoluteNavigation, relative: Uncooperative, cam_from_body: RigidTransform
+        self,
+        absolute: AbsoluteNavigation,
+        relative: Uncooperative,
+        cam_from_body: RigidTransform,
+        relative_from_s: float = -np.inf,
     ) -> None:
         self._absolute = absolute
         self._relative = relative
         self._cam_from_body = cam_from_body
         self._last_s = -np.inf
+        self._relative_from_s = relative_from_s
 
     def process(self, frame: Frame) -> Estimate:
         """Take the records of a frame and its image, and say both states.
@@ -63,7 +70,7 @@ class IntegratedNavigation:
             Of the target as ``Uncooperative`` gives it: pose or reason, mode, states of the
             relative motion. Beside them the states of ``AbsoluteNavigation``; their ``integrity``
             has also ``relative_protection_m``, along radial, track and normal, where there is a
-            relative state.
+            relative state. In the absolute mode they are all, and the mode is ``absolute``.
 
         Raises
         ------
@@ -74,6 +81,9 @@ class IntegratedNavigation:
         if not known.states:
             reason = f"the chaser's own state is not known: {known.reason}"
             return replace(known, reason=reason, detections=Detections.none())
+        if frame.time_s < self._relative_from_s:
+            reason = f"in the absolute mode until {self._relative_from_s:g} s"
+            return replace(known, reason=reason, detections=Detections.none(), mode="absolute")
         if frame.time_s <= self._last_s:
             reason = (
                 f"came late: of {frame.time_s:g} s, after the image of {self._last_s:g} s; "

@@ -27,11 +27,12 @@ def make(onboard: OnboardKnowledge, variant: str) -> IntegratedNavigation:
     DatasetError
         If what either half needs is not on board.
     """
-    known, regime = UncooperativeKnowledge.of(onboard), AbsoluteKnowledge.of(onboard).regime
+    known, own = UncooperativeKnowledge.of(onboard), AbsoluteKnowledge.of(onboard)
     return IntegratedNavigation(
         make_absolute(onboard, variant),
-        Uncooperative(known, relative_options_for(variant, regime)),
+        Uncooperative(known, relative_options_for(variant, own.regime)),
         known.cam_from_lvlh,
+        own.relative_from_s,
     )
 
 

@@ -21,6 +21,8 @@ from pipelines.acquisition.from_image import (
     ImageAcquisitionOptions,
     edge_image,
 )
+from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
+from pipelines.acquisition.under_sun import UnderSun, UnderSunOptions
 from pipelines.detection.corners import Corners, corners_of, find_corners
 from pipelines.tracking.edge_fit import EdgeFit, EdgeImage
 from pipelines.tracking.from_image import (
@@ -78,13 +80,23 @@ class ImagePoseFinder:
             knowledge.range_m,
             self._acquisition,
         )
+        self._start_options = SunlitStartOptions()
+        self._under_sun: UnderSun | None = None
+        self._start: SunlitStart | None = None
         self._share = 0.0
         self._unsure_frames = 0
 
     def acquire(self, frame: ImageFrame) -> Estimate:
-        """Find the pose without any earlier one."""
+        """Find the pose without any earlier one.
+
+        Where it is known where the Sun stands, images that follow each other without a pose are
+        one start: what one leaves open, the next may decide.
+        """
         if self._by_points is not None:
             return self._by_points.acquire(self._points(frame))
+        sun_in_cam = self._knowledge.sun_in_cam(frame.chaser, frame.mount)
+        if sun_in_cam is not None:
+            return self._acquired_under(sun_in_cam, frame)
         outcome = self._acquirer.acquire(frame.image)
         if outcome.found is None:
             return self._none(frame, outcome.reason)
@@ -143,6 +155,34 @@ class ImagePoseFinder:
             return self._by_points.matched_share(self._points(frame), estimate)
         return self._share
 
+    def _acquired_under(self, sun_in_cam: Floats, frame: ImageFrame) -> Estimate:
+        start = self._start
+        if start is None or frame.time_s - start.last_s > self._start_options.longest_gap_s:
+            self._start = start = self._begun()
+        found = start.take(frame.image, frame.time_s, sun_in_cam)
+        if found.over:
+            self._start = None
+        if found.pose is None or found.image is None:
+            return self._none(frame, found.reason, found.image)
+        estimate = self._said(frame, found.image, found.pose.fit, found.pose.check)
+        if estimate.pose is None:
+            return estimate
+        doubted = replace(estimate.pose, wrong_probability=found.wrong_probability)
+        return replace(estimate, pose=doubted)
+
+    def _begun(self) -> SunlitStart:
+        """Begin a start; what looks is kept from one to the next."""
+        if self._under_sun is None:
+            knowledge = self._knowledge
+            self._under_sun = UnderSun(
+                knowledge.target,
+                knowledge.camera,
+                knowledge.detector,
+                UnderSunOptions(),
+                knowledge.range_m,
+            )
+        return SunlitStart(self._under_sun, self._start_options)
+
     def _edge_image(self, frame: ImageFrame) -> EdgeImage:
         knowledge = self._knowledge
         width = self._acquisition.fine_width
@@ -163,7 +203,7 @@ class ImagePoseFinder:
         if covariance is None:
             return self._none(frame, "the edges found do not determine a pose", image)
         self._share = check.supported
-        scale = self._knowledge.camera.width / image.camera.width
+        scale = self._knowledge.camera.fx / image.camera.fx
         return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
@@ -200,5 +240,8 @@ class ImagePoseFinder:
 
     def _in_full(self, corners: Corners, image: EdgeImage) -> tuple[Floats, Floats]:
         """Return corners and their sigmas in the pixels of the frame."""
-        scale = self._knowledge.camera.width / image.camera.width
-        return (corners.points_px + 0.5) * scale - 0.5, corners.sigma_px * scale
+        camera = self._knowledge.camera
+        scale = camera.fx / image.camera.fx
+        middle = np.array([image.camera.cx, image.camera.cy])
+        whole = (corners.points_px - middle) * scale + np.array([camera.cx, camera.cy])
+        return whole, corners.sigma_px * scale

@@ -11,6 +11,7 @@ from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
 from models.frame import CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
+from models.motion.perturbed_orbit import lvlh_axes
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
 from models.onboard import OnboardKnowledge, needed
 from models.pose import RigidTransform
@@ -144,6 +145,10 @@ class UncooperativeKnowledge:
     inertia_kg_m2 : (3, 3) array, optional
         Of the target about its centre of mass, target axes, as known before flight; any multiple
         serves. Without it the filters take the rate as constant.
+    sun_dir_in_inertial : (3,) array, optional
+        Unit vector towards the Sun by the ephemeris on board, in the axes of the chaser's orbit.
+    sun_sigma_deg : float, deg
+        1-sigma per axis of that direction as the camera sees it.
     """
 
     camera: Camera
@@ -155,6 +160,23 @@ class UncooperativeKnowledge:
     range_m: tuple[float, float] | None = None
     detector: Detector | None = None
     inertia_kg_m2: Floats | None = None
+    sun_dir_in_inertial: Floats | None = None
+    sun_sigma_deg: float = 0.0
+
+    def sun_in_cam(self, chaser: ChaserState, mount: CameraMount | None = None) -> Floats | None:
+        """Return the unit vector towards the Sun in camera axes, (3,), where it is on board.
+
+        Parameters
+        ----------
+        chaser : ChaserState
+        mount : CameraMount, optional
+            By the attitude that is navigated; without it, as known before flight.
+        """
+        if self.sun_dir_in_inertial is None:
+            return None
+        axes = lvlh_axes(chaser.position_in_inertial, chaser.velocity_in_inertial)
+        mounted = self.cam_from_lvlh if mount is None else mount.cam_from_lvlh
+        return np.asarray(mounted.rotation @ axes.T @ self.sun_dir_in_inertial)
 
     @classmethod
     def of(cls, onboard: OnboardKnowledge) -> UncooperativeKnowledge:
@@ -176,4 +198,6 @@ class UncooperativeKnowledge:
             range_m=expected.range_m,
             detector=onboard.detector,
             inertia_kg_m2=expected.inertia_kg_m2,
+            sun_dir_in_inertial=expected.sun_dir_in_inertial,
+            sun_sigma_deg=expected.sun_sigma_deg,
         )

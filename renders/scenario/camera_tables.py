@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from models.camera import Camera
+from models.camera import CAMERAS, Camera
 from models.errors import ScenarioError
 from models.sensors.camera_chip import Detector
 from renders.scenario.table import Name, Table
@@ -26,7 +26,7 @@ class CameraTable(Table):
     """Which camera flies, as simulated: a preset, or one of your own; see ``camera_choice``."""
 
     preset: Name | None = Field(
-        None, description="chaser_fixed or eye_in_hand; chaser_fixed where no camera is typed"
+        None, description=f"{', '.join(CAMERAS)}; chaser_fixed where no camera is typed"
     )
     file: Name | None = Field(
         None, description="a camera.toml beside the scenario, for the keys of a camera of your own"
@@ -58,6 +58,10 @@ class CameraTable(Table):
     def _preset_unless_typed(cls, table: Any) -> Any:
         if isinstance(table, dict) and all(table.get(key) is None for key in ("preset", *OWN)):
             return {**table, "preset": PRESET}
+        if isinstance(table, dict) and "width" not in table:
+            named = CAMERAS.get(str(table.get("preset")))
+            if named is not None and named.width != cls.model_fields["width"].default:
+                return {**table, "width": named.width}
         return table
 
 

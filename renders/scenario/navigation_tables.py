@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SENSORS, STATED = "sensors", "stated"
 OF_SENSORS = (
     "receive_gain_dbi", "star_rate_hz", "lasting_errors", "start_sigma_m", "start_sigma_m_s",
-    "start_sigma_deg",
+    "start_sigma_deg", "relative_from_s",
 )  # fmt: skip
 OF_STATED = ("chaser_sigma_m", "chaser_sigma_m_s")
 
@@ -44,6 +44,12 @@ class NavigationTable(Table):
     star_rate_hz: int = Field(5, ge=1, le=100, description="of the star sensor; a divisor of 100")
     lasting_errors: bool = Field(
         False, description="whether errors of ranges last, as real ones do, or are new each second"
+    )
+    relative_from_s: float | None = Field(
+        None,
+        ge=0,
+        le=1e6,
+        description="when it turns to its target; left out: at once",
     )
     start_sigma_m: float = Field(1000.0, ge=0, le=1e5, description="of the start, per axis")
     start_sigma_m_s: float = Field(1.0, ge=0, le=100, description="of the start, per axis")

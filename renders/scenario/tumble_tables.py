@@ -60,6 +60,13 @@ class OnboardTable(Table):
     )
     knows_inertia: bool = Field(True, description="whether the filters get the target's inertia")
     range_m: Numbers = Field((), description="nearest and farthest, if any is known")
+    sun_sigma_deg: float | None = Field(
+        None,
+        ge=0,
+        le=180,
+        description="per axis, of the Sun's direction on board, drawn in every run; left out, the "
+        "Sun is not told, and starts know nothing of it",
+    )
     knows_target: bool | None = Field(
         None,
         description="false: neither its shape nor its inertia is on board, to be found in flight",

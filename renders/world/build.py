@@ -54,7 +54,7 @@ from renders.world.exposure_plan import (
     TypedSchedule,
 )
 from renders.world.free_motion import chaser_tables, free_motion, own_navigation
-from renders.world.moving_sun import with_its_sun
+from renders.world.moving_sun import inertial_sun, with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
 from renders.world.own_navigation import SensorsAboard
 from renders.world.range_readings import RangeReadings
@@ -168,14 +168,14 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
     bodies, sensor = _bodies(scenario), single_camera(scenario)
     told, known = table.onboard, table.onboard.knows_target is not False
     wireframe = wireframe_of(scenario) if known else wireframe_if_any(scenario)
-    share = scenario.pixel_scale**2
+    share, sky = scenario.pixel_scale**2, _sky(scenario, TurningWithOrbit(motion))
     navigation = own_navigation(scenario, motion)
     return World(
         scenario=scenario,
         chain=_chain(known, navigation),
         bodies=bodies,
         trajectory=motion,
-        sky=_sky(scenario, TurningWithOrbit(motion)),
+        sky=sky,
         sensor=sensor,
         plan=_plan(scenario, FillOfMarkers(scenario, motion, bodies.optics), share),
         before_flight=BeforeFlight(
@@ -192,6 +192,12 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
                 inertia_kg_m2=(
                     np.array(table.inertia_kg_m2) if known and told.knows_inertia else None
                 ),
+                sun_dir_in_inertial=(
+                    None
+                    if told.sun_sigma_deg is None
+                    else inertial_sun(scenario, sky.sun, scenario.motion.start_s)
+                ),
+                sun_sigma_deg=told.sun_sigma_deg or 0.0,
             ),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,

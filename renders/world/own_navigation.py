@@ -103,6 +103,8 @@ class SensorsAboard:
             "velocity_m_s": (first[3:] + table.start_sigma_m_s * draw[3:6]).tolist(),
             "q_inertial_from_body_wxyz": multiplied(attitude, turn).tolist(),
         }
+        if table.relative_from_s is not None:
+            start["relative_from_s"] = table.relative_from_s
         if table.lasting_errors:
             start["lasting"] = True
         return {ABSOLUTE_FILE: start}

@@ -68,7 +68,12 @@ def told(
     """
     camera = calibrated(needed(true.camera, "camera.toml", "a render"), calibration, run)
     detector = needed(true.detector, "detector.toml", "a render")
-    onboard = replace(true, camera=camera, psf_sigma_px=None)
+    onboard = replace(
+        true,
+        camera=camera,
+        expectations=told_expectations(true.expectations, None, None, run),
+        psf_sigma_px=None,
+    )
     if table is None:
         return onboard
     try:

@@ -24,7 +24,7 @@ from renders.scenario.told_tables import (
     ToldOpticsTable,
     ToldTargetTable,
 )
-from renders.world.told_draws import error_of, errors_of
+from renders.world.told_draws import drawn, error_of, errors_of
 
 Part = TypeVar("Part", Camera, Detector)
 
@@ -184,10 +184,25 @@ def told_expectations(
     if true is None:
         return None
     return replace(
-        true,
+        told_sun(true, run),
         cam_from_lvlh=_mounted(true.cam_from_lvlh, mount, run),
         inertia_kg_m2=_inertia(true.inertia_kg_m2, target, run),
     )
+
+
+def told_sun(true: FlightExpectations, run: int) -> FlightExpectations:
+    """Return what was expected before flight, with the Sun turned by a run's draw of its sigma.
+
+    Parameters
+    ----------
+    true : FlightExpectations
+    run : int
+    """
+    if true.sun_dir_in_inertial is None:
+        return true
+    turn = np.deg2rad(true.sun_sigma_deg) * drawn(run, "knowledge.sun_dir_in_inertial", 3)
+    sun = Rotation.from_rotvec(turn).apply(true.sun_dir_in_inertial)
+    return replace(true, sun_dir_in_inertial=sun)
 
 
 def _shifted(true: Part, table: Any, name: str, run: int) -> Part:

@@ -1,48 +1,26 @@
-"""A browser that reaches no network, and a page of a small dataset."""
+"""A browser that reaches no network, and every wait in it bounded."""
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from bench import api
-from tests.support.patience import HANGS_S
-from tests.support.synthetic_dataset import (
-    lost_estimate,
-    solved_estimate,
-    write_dataset,
-    write_variant,
-)
+from tests.browser import pages
 
 sync_api = pytest.importorskip("playwright.sync_api")
-HOSTILE = "<img src=x onerror=\"document.title='taken'\"></script><script>document.title='taken'"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
 FLAGS = ("--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader")  # fmt: skip
-
-
-@pytest.fixture(scope="session")
-def page_path(tmp_path_factory) -> Path:
-    """Return a report of six frames by two pipelines; best has no pose of frame 3."""
-    dataset = write_dataset(tmp_path_factory.mktemp("page") / "data", frames=6, width_px=128)
-    rng = np.random.default_rng(7)
-    for label, sigma_px in (("best", 0.05), ("paper", 0.4)):
-
-        def said(truth, label=label, sigma_px=sigma_px):
-            if label == "best" and truth.frame == 3:
-                return lost_estimate(truth, HOSTILE)
-            return solved_estimate(dataset, truth, np.full(2, sigma_px), rng)
-
-        write_variant(dataset, label, said)
-    path = dataset.folder / "dataset.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "case": HOSTILE}))
-    api.score(dataset.folder)
-    return api.report(dataset.folder)
+STOPPED_MS = 600e3  # a page that has not answered by then never will, however busy the machine is
+SHOWS_IT = """frame =>
+  ['picture', 'scene'].map(name => document.getElementById(`explorer-${name}`))
+    .filter(home => !home.hidden)
+    .every(home => home.querySelector('canvas').dataset.frame === frame)
+  && document.querySelectorAll('.now').length > 0
+  && [...document.querySelectorAll('.now')].every(line => line.dataset.frame === frame)"""
 
 
 @pytest.fixture(scope="session")
@@ -52,18 +30,25 @@ def browser() -> Iterator:
         pytest.skip("no chromium: apt-get install chromium, then run this again")
     with sync_api.sync_playwright() as playwright:
         started = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=list(FLAGS), timeout=1e3 * HANGS_S
+            executable_path=CHROMIUM, args=list(FLAGS), timeout=STOPPED_MS
         )
         yield started
         started.close()
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory) -> pages.Pages:
+    """Return pages by name, each made when it is first asked for."""
+    return pages.Pages(tmp_path_factory.mktemp("pages"))
 
 
 class Opened:
     """A page in a browser, and what it asked for and said."""
 
     def __init__(self, browser, path: Path, **options) -> None:
+        self.path = path
         self.context = browser.new_context(offline=True, **options)
-        self.context.set_default_timeout(1e3 * HANGS_S)
+        self.context.set_default_timeout(STOPPED_MS)
         self.page = self.context.new_page()
         self.said: list[str] = []
         self.asked: list[str] = []
@@ -71,37 +56,59 @@ class Opened:
         self.page.on("pageerror", lambda each: self.said.append(str(each)))
         self.page.on("request", lambda each: self.asked.append(each.url))
         self.page.goto(path.as_uri())
-        self.page.wait_for_selector("#explorer-section[data-ready]")
-        self.wait_for_frame("0")
+        self.explored = self.page.locator("#explorer-section").count() > 0
+        if self.explored and options.get("java_script_enabled", True):
+            self.page.wait_for_selector("#explorer-section[data-ready]")
+            self.wait_for(SHOWS_IT, self.frame(0))
 
-    def wait_for_frame(self, frame: str) -> None:
-        """Wait until picture, scene and plots all show a frame."""
-        shows_it = """frame => ['picture', 'scene'].every(name =>
-             document.querySelector(`#explorer-${name} canvas`).dataset.frame === frame)
-           && document.querySelectorAll('.now').length > 0
-           && [...document.querySelectorAll('.now')].every(x =>
-             Number(x.dataset.time) === 10 * Number(frame))"""
-        while not self.page.evaluate(shows_it, frame):  # wait_for_function would need `eval`
+    def frame(self, place: int) -> str:
+        """Return the number of a frame, as text."""
+        return self.page.evaluate(
+            "place => String(JSON.parse(document.getElementById('explorer-data').textContent)"
+            ".frames[place].frame)",
+            place,
+        )
+
+    def wait_for(self, holds: str, given: object = None) -> None:
+        """Wait until a function in the page holds: `wait_for_function` would need `eval`."""
+        left_ms = STOPPED_MS
+        while not self.page.evaluate(holds, given):
+            assert left_ms > 0, f"the page never came to {holds} of {given}; it said {self.said}"
             self.page.wait_for_timeout(50)
+            left_ms -= 50
+
+    def wait_for_place(self, place: int) -> None:
+        """Wait until picture, scene and plots all show the frame at a place of the slider."""
+        self.wait_for(SHOWS_IT, self.frame(place))
 
     def value(self, name: str, key: str) -> str:
         """Return what a canvas tells of itself."""
         return self.page.locator(f"#explorer-{name} canvas").get_attribute(f"data-{key}")
 
     def pixels(self, name: str) -> str:
-        """Return a canvas as text."""
-        return self.page.evaluate(f"document.querySelector('#explorer-{name} canvas').toDataURL()")
+        """Return a canvas as text, once it is drawn."""
+        return self.page.evaluate(
+            "name => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => "
+            "done(document.querySelector(`#explorer-${name} canvas`).toDataURL()))))",
+            name,
+        )
+
+    def faults(self) -> list[str]:
+        """Return what the page complained of and what it asked for beside itself."""
+        foreign = [url for url in self.asked if not url.startswith("data:")]
+        stray = [url for url in foreign if url.partition("#")[0] != self.path.as_uri()]
+        return [*self.said, *stray]
 
 
 @pytest.fixture
-def opened(browser, page_path) -> Iterator:
-    """Return a function that opens the page with a context's options."""
-    pages = []
+def opened(browser, made) -> Iterator:
+    """Return a function that opens a page by its name, with a context's options."""
+    there = []
 
-    def opens(**options) -> Opened:
-        pages.append(Opened(browser, page_path, **options))
-        return pages[-1]
+    def opens(name: str = "pair", **options) -> Opened:
+        there.append(Opened(browser, made[name], **options))
+        return there[-1]
 
     yield opens
-    for each in pages:
+    for each in there:
         each.context.close()

@@ -62,7 +62,7 @@ def test_presets_have_the_papers_focal_lengths_and_centres() -> None:
 
 
 def test_an_unknown_preset_is_told_which_there_are() -> None:
-    with pytest.raises(ScenarioError, match="chaser_fixed, eye_in_hand, got 'chaser'"):
+    with pytest.raises(ScenarioError, match=r"chaser_fixed, eye_in_hand, .*, got 'chaser'"):
         camera_preset("chaser")
 
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 from bench.estimating.runs import read_run
-from bench.pictures.frame_record import FrameRecord
+from bench.pictures.frame_record import FrameRecord, FrameRecords
+from bench.pictures.marks import Layer
 from bench.pictures.stretch import SOFTENING
 from bench.report.explorer.previews import Previews, shown_places
-from bench.report.explorer.scene import pose_numbers, scene_data
+from bench.report.explorer.runs import other_runs, run_plots
+from bench.report.explorer.scene import orbit_data, pose_numbers, scene_data, turned
 from bench.report.numbers import number
 from bench.report.parts import ReportInput, ReportParts
+from bench.report.scene_addition import SceneAddition
 from bench.scoring.score import shown_labels
 from models.estimate import Estimate
 
@@ -33,31 +36,29 @@ def explorer_data(given: ReportInput, parts: ReportParts) -> dict[str, Any]:
     }
     indices = records.dataset.indices
     with_picture = shown_places(len(indices))
-    drawn = chain.signal is not None and records.onboard.detector is not None
-    previews = None
-    if records.onboard.detector is not None:
-        previews = Previews(len(with_picture), records.onboard.detector)
-    frames, pictures, true_layers, truths = [], [], [], []
+    images = _Images(records, len(with_picture))
+    addition = SceneAddition() if chain.scene is None else chain.scene(records, estimates)
+    frames, true_layers, truths = [], [], []
     own: dict[str, dict[str, list[Any]]] = {
         label: {"verdicts": [], "poses": [], "layers": []} for label in labels
     }
     for place, index in enumerate(indices):
         record = records.record(index)
         frames.append(_frame(record))
-        shown = drawn and place in with_picture
-        if chain.signal is not None and previews is not None and shown:
-            pictures.append(previews.preview(chain.signal(record)))
-        else:
-            pictures.append("")
+        shown = images.drawn and place in with_picture
+        images.add(record if shown else None)
+        layers: Sequence[Layer] = []
         for label in labels:
             said = replace(record, variant=label, estimate=estimates[label].get(index))
             layers = chain.layers(said) if chain.layers is not None and shown else []
             own[label]["verdicts"].append(chain.verdict(said))
-            own[label]["poses"].append(pose_numbers(said.estimated_pose))
+            pose = turned(said.estimated_pose, addition.true_from_own.get(label))
+            own[label]["poses"].append(pose_numbers(pose))
             own[label]["layers"].append([x.to_json() for x in layers if not x.of_truth])
         true_layers.append([x.to_json() for x in layers if x.of_truth])
         truths.append(replace(record, frame=replace(record.frame, readings={})))
     camera = records.onboard.camera
+    others = other_runs(records, labels)
     return {
         "title": f"{given.info.case}, Sun {given.info.sun}",
         "leading": given.label,
@@ -66,19 +67,55 @@ def explorer_data(given: ReportInput, parts: ReportParts) -> dict[str, Any]:
             "width_px": None if camera is None else camera.width,
             "height_px": None if camera is None else camera.height,
             "softening": SOFTENING,
-            "pictures": pictures if any(pictures) else [],
+            "streams": images.streams(),
         },
         "pipelines": {
             label: {
                 **own[label],
                 "reasons": [row["reason"] for row in given.score["pipelines"][label]["per_frame"]],
+                "runs": others.get(label, []),
             }
             for label in labels
         },
         "true_layers": true_layers,
-        "plots": [asdict(plot) for plot in parts.plots],
-        "scene": scene_data(records, truths),
+        "plots": [*run_plots(given.score, others), *(asdict(plot) for plot in parts.plots)],
+        "scene": scene_data(records, truths, addition),
+        "orbit": None if addition.orbit is None else orbit_data(addition.orbit),
     }
+
+
+class _Images:
+    """The previews of a dataset's images, by name; empty text where a frame has none."""
+
+    def __init__(self, records: FrameRecords, frames: int) -> None:
+        self.signals, self.frames = records.chain.signals, frames
+        self.detector = records.onboard.detector
+        self._pictures: dict[str, list[str]] = {}
+        self._previews: Previews | None = None
+        self._count = 0
+
+    @property
+    def drawn(self) -> bool:
+        """Whether the chain has images at all."""
+        return self.signals is not None and self.detector is not None
+
+    def add(self, record: FrameRecord | None) -> None:
+        """Take the next frame; None for one without a picture."""
+        found: dict[str, str] = {}
+        if record is not None and self.signals is not None and self.detector is not None:
+            own = self.signals(record)
+            if self._previews is None:
+                self._previews = Previews(self.frames, self.detector, len(own))
+            found = {name: self._previews.preview(name, each) for name, each in own.items()}
+        for name in found:
+            self._pictures.setdefault(name, [""] * self._count)
+        for name, pictures in self._pictures.items():
+            pictures.append(found.get(name, ""))
+        self._count += 1
+
+    def streams(self) -> list[dict[str, Any]]:
+        """Return all of them, that of the marks first."""
+        return [{"name": name, "pictures": own} for name, own in self._pictures.items()]
 
 
 def _frame(record: FrameRecord) -> dict[str, Any]:

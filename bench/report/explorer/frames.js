@@ -3,8 +3,15 @@
 const data = JSON.parse(document.getElementById("explorer-data").textContent);
 const { uPlot, three } = globalThis.explorerLibraries;
 const byId = (name) => document.getElementById(`explorer-${name}`);
-const shown = { place: 0, pipeline: data.leading };
+const shown = { place: 0, pipeline: data.leading, run: 0 };
 const followers = [];
+
+// What a pipeline said in the run that is shown: verdicts, reasons and poses by frame.
+function runNow() {
+  const own = data.pipelines[shown.pipeline];
+  return shown.run === 0 ? own : own.runs[shown.run - 1] ?? own;
+}
+const posesNow = () => runNow().poses;
 
 const colourOf = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
 

@@ -11,7 +11,10 @@ from typing import Any
 
 HERE = Path(__file__).parent
 LIBRARIES = ("vendored/libraries.min.js",)
-SCRIPTS = ("frames.js", "marks.js", "picture.js", "plots.js", "scene.js", "start.js")
+SCRIPTS = (
+    "frames.js", "marks.js", "picture.js", "plots.js", "stage.js", "scene.js", "orbit.js",
+    "start.js",
+)  # fmt: skip
 STYLES = ("vendored/uplot.min.css", "explorer.css")
 ESCAPED = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
 

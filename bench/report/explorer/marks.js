@@ -1,6 +1,7 @@
 // Marks on the picture: the same signs and colours as on the page's still pictures.
 
-const TONES = { detections: "#ff4d40", reprojections: "#4ade60", truth: "#46d6ff" };
+const TONES = { detections: "#ff4d40", reprojections: "#4ade60", truth: "#46d6ff",
+  tracks: "#4ade60" };
 const DIM = "#b0564e";
 const layerIsOn = {};
 

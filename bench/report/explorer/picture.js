@@ -1,8 +1,9 @@
 // The frame: pan and zoom to its pixels, marks to be chosen, greys to be chosen.
 
 function startPicture() {
-  const { width_px: width, height_px: height, softening, pictures } = data.image;
-  if (!pictures.length) return;
+  const { width_px: width, height_px: height, softening, streams } = data.image;
+  if (!streams.length) return;
+  let { pictures } = streams[0];
   const home = byId("picture");
   const canvas = home.querySelector("canvas");
   const pen = canvas.getContext("2d");
@@ -81,9 +82,9 @@ function startPicture() {
       draw();
       return;
     }
-    const image = new Image();
+    const image = new Image(), from = pictures;
     image.onload = () => {
-      if (place !== shown.place) return;
+      if (place !== shown.place || from !== pictures) return;
       still.width = image.naturalWidth;
       still.height = image.naturalHeight;
       const own = still.getContext("2d", { willReadFrequently: true });
@@ -109,13 +110,14 @@ function startPicture() {
     }
     const drawn = drawLayers(pen, (u, v) => [left + (u + 0.5) * zoom, top + (v + 0.5) * zoom]);
     canvas.dataset.layers = drawn.join(" ");
+    canvas.dataset.image = streams.find((each) => each.pictures === pictures).name;
     canvas.dataset.zoom = zoom.toFixed(4);
     canvas.setAttribute("aria-label",
-      `${data.frames[shown.place].title}, with ${drawn.join(", ") || "no marks"}`);
+      `The ${canvas.dataset.image} of ${data.frames[shown.place].title}, with ${drawn.join(", ") || "no marks"}`);
     const each = levels ? width / still.width : 1;
     home.querySelector(".scale").textContent = each > 1
       ? `A pixel here is ${digits(each)} of the camera's; all of them: rvbench show DIR ${data.frames[shown.place].frame}.`
-      : "Every pixel is here.";
+      : levels ? "Every pixel is here." : "";
   }
 
   function read(x, y) {
@@ -165,7 +167,11 @@ function startPicture() {
       if (layer.labels.length) names.add("labels");
     }
   }
-  const order = ["detections", "reprojections", "truth", "labels"].filter((x) => names.has(x));
+  if (streams.length > 1) {
+    home.querySelector(".choices").append(choice("image", streams.map(({ name }, k) =>
+      [k, k ? name : `${name} (of the marks)`]), (value) => { ({ pictures } = streams[value]); load(); }));
+  }
+  const order = ["detections", "tracks", "reprojections", "truth", "labels"].filter((x) => names.has(x));
   const bar = home.querySelector(".choices");
   bar.append(...order.map((name) => toggle(name, true, (on) => {
     layerIsOn[name] = on;

@@ -2,6 +2,12 @@
 
 const PIPELINE_COLOURS = { best: "--plot-best", paper: "--plot-paper" };
 const OTHER_COLOURS = ["--plot-3", "--plot-4", "--plot-5", "--plot-6"];
+const FONT = '12px "Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, sans-serif';
+
+// What a line shows: of a line of all runs, the one chosen.
+function valuesNow(line) {
+  return line.runs ? line.runs[shown.run] ?? line.runs[0] : line.values;
+}
 
 function startPlots() {
   const home = byId("plots");
@@ -30,17 +36,22 @@ function startPlots() {
     return [0, 1].map(() => ({ ...base, width: 0.5 }));
   }
 
-  const twice = (line) => line.kind === "band" || line.kind === "bound";
+  const twice = (line) => ["band", "bound", "range"].includes(line.kind);
   const negated = (values) => values.map((value) => value === null ? null : -value);
+  const columns = (line) => twice(line) ? [valuesNow(line), line.upper ?? negated(line.values)]
+    : [valuesNow(line)];
 
   // What others state of themselves would bury the errors: it is there when asked for.
   const shownFirst = (line) =>
     !line.pipeline || line.pipeline === data.leading || ["line", "steps"].includes(line.kind);
 
   function wantsLog(plot) {
-    if (plot.lines.some((line) => twice(line) || line.kind === "steps")) return false;
-    const there = plot.lines.flatMap((line) => line.values).filter((value) => value !== null);
-    const least = Math.min(...there), most = Math.max(...there);
+    const oneSided = (line) => line.kind === "range" || !(twice(line) || line.kind === "steps");
+    if (!plot.lines.every(oneSided)) return false;
+    const there = plot.lines.flatMap((line) => [line.values, line.upper ?? []].flat())
+      .filter((value) => value !== null);
+    const least = there.reduce((x, y) => Math.min(x, y), Infinity);
+    const most = there.reduce((x, y) => Math.max(x, y), -Infinity);
     return there.length > 0 && least > 0 && most > 100 * least;
   }
 
@@ -50,14 +61,13 @@ function startPlots() {
     const values = [times], series = [{}], bands = [];
     own.plot.lines.forEach((line, number) => {
       const colour = colourOf(variable(line, number));
-      own.swatches[number].style.background = colour;
+      own.swatches[number].style.color = colour;
       const first = series.length;
       own.first[number] = first;
       seriesOf(line, colour).forEach((each) =>
         series.push({ ...each, show: own.boxes[number].checked }));
-      values.push(line.values);
-      if (twice(line)) values.push(negated(line.values));
-      if (line.kind === "band") bands.push({ series: [first, first + 1], fill: `${colour}26` });
+      values.push(...columns(line));
+      if (line.kind === "band" || line.kind === "range") bands.push({ series: [first, first + 1], fill: `${colour}26` });
     });
     const ink = colourOf("--soft"), grid = colourOf("--line");
     const axis = { stroke: ink, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid } };
@@ -68,8 +78,10 @@ function startPlots() {
       legend: { show: false },
       cursor: { drag: { x: true, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: log ? { distr: 3 } : counts ? { range: (_, __, most) => [0, 1.1 * most + 1] } : {} },
-      axes: [{ ...axis, size: 34 }, { ...axis, size: 58, values: (_, ticks) =>
-        ticks.map((tick) => tick === null ? "" : String(Number(tick.toPrecision(6)))) }],
+      axes: [{ ...axis, size: 30, label: "time, s", labelSize: 18, labelGap: 0 },
+        { ...axis, size: 62 }].map((each) => ({ ...each, font: FONT, labelFont: FONT,
+        values: (_, ticks) => ticks.map((tick) =>
+          tick === null ? "" : String(Number(tick.toPrecision(6))).replace("-", "−")) })),
       series,
       bands,
       hooks: {
@@ -103,7 +115,7 @@ function startPlots() {
     pen.strokeStyle = colourOf("--red");
     pen.lineWidth = 1.5;
     pen.beginPath();
-    data.pipelines[shown.pipeline].reasons.forEach((reason, number) => {
+    runNow().reasons.forEach((reason, number) => {
       const x = uplot.valToPos(times[number], "x", true);
       if (reason === null || x < left || x > left + width) return;
       pen.moveTo(x - 4, top + height - 10);
@@ -120,9 +132,11 @@ function startPlots() {
     const x = own.uplot.valToPos(times[shown.place], "x");
     own.now.style.transform = `translateX(${x}px)`;
     own.now.hidden = !(x >= 0 && x <= own.uplot.over.clientWidth);
-    own.now.dataset.time = times[shown.place];
+    own.now.dataset.frame = data.frames[shown.place].frame;
     own.values.forEach((each, number) => {
-      each.textContent = digits(own.plot.lines[number].values[shown.place]);
+      each.textContent = columns(own.plot.lines[number])
+        .map((values) => digits(values[shown.place])).slice(0, own.plot.lines[number].upper ? 2 : 1)
+        .join(" to ");
     });
   }
 
@@ -152,11 +166,17 @@ function startPlots() {
   home.hidden = plots.length === 0;
   const all = () => plots.forEach(build);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", all);
-  let whose = shown.pipeline;
+  let whose = shown.pipeline, run = shown.run;
   follow(() => {
+    if (run !== shown.run) {
+      plots.filter((own) => own.plot.lines.some((line) => line.runs)).forEach((own) =>
+        own.uplot?.setData([times, ...own.plot.lines.flatMap(columns)]));
+    }
     plots.forEach(place);
-    if (whose !== shown.pipeline) plots.forEach((own) => own.uplot?.redraw(false));
-    whose = shown.pipeline;
+    if (whose !== shown.pipeline || run !== shown.run) {
+      plots.forEach((own) => own.uplot?.redraw(false));
+    }
+    ({ pipeline: whose, run } = shown);
   });
   const resized = new ResizeObserver(() => plots.forEach((own) => {
     const width = Math.max(200, own.holder.clientWidth);

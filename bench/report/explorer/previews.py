@@ -27,19 +27,23 @@ class Previews:
     frames : int
         How many there will be.
     detector : Detector
+    streams : int
+        Pictures of each.
     """
 
-    def __init__(self, frames: int, detector: Detector) -> None:
-        in_all = min(MOST_IN_ALL, max(LEAST_IN_ALL, FOR_A_FRAME * frames))
-        self.most_bytes = in_all // max(1, frames)
+    def __init__(self, frames: int, detector: Detector, streams: int = 1) -> None:
+        count = max(1, frames * streams)
+        self.most_bytes = min(MOST_IN_ALL, max(LEAST_IN_ALL, FOR_A_FRAME * count)) // count
         self.detector = detector
-        self._start = 0
+        self._start: dict[str, int] = {}
 
-    def preview(self, signal_dn: Floats) -> str:
-        """Return a frame as JPEG in base64, as wide as its share of the budget allows.
+    def preview(self, stream: str, signal_dn: Floats) -> str:
+        """Return a picture as JPEG in base64, as wide as its share of the budget allows.
 
         Parameters
         ----------
+        stream : str
+            Whose pictures are alike.
         signal_dn : (height, width) or (height, width, 3) array, DN
             Above the bias.
         """
@@ -47,7 +51,8 @@ class Previews:
         single = signal_dn.astype(np.float32)
         widths = [width, *(each for each in WIDTHS_PX if each < width)]
         text = ""
-        for place in range(min(self._start, len(widths) - 1), len(widths)):
+        start = min(self._start.get(stream, 0), len(widths) - 1)
+        for place in range(start, len(widths)):
             shape = (widths[place], max(1, round(height * widths[place] / width)))
             small = single
             if place > 0:
@@ -57,7 +62,7 @@ class Previews:
             text = jpeg(colours).partition(",")[2]
             if len(text) <= self.most_bytes:
                 break
-        self._start = max(0, place - 1)  # the next is like this one: try one step wider
+        self._start[stream] = max(0, place - 1)  # the next is like this one: try one step wider
         return text
 
 

@@ -10,6 +10,8 @@ import numpy as np
 
 from bench.pictures.frame_record import FrameRecord, FrameRecords
 from bench.report.explorer.glb import Surface, glb_bytes
+from bench.report.scene_addition import OrbitScene, SceneAddition
+from models.arrays import Floats
 from models.onboard import OnboardKnowledge
 from models.pose import RigidTransform
 
@@ -18,7 +20,9 @@ WIREFRAME_SHADE = (0.5, 0.5, 0.5)
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
-def scene_data(records: FrameRecords, true: list[FrameRecord]) -> dict[str, Any] | None:
+def scene_data(
+    records: FrameRecords, true: list[FrameRecord], addition: SceneAddition
+) -> dict[str, Any] | None:
     """Return what does not change with the pipeline; None where no pose is known at all.
 
     Parameters
@@ -26,6 +30,8 @@ def scene_data(records: FrameRecords, true: list[FrameRecord]) -> dict[str, Any]
     records : FrameRecords
     true : list of FrameRecord
         Every frame, for its truth.
+    addition : SceneAddition
+        What the chain adds.
     """
     onboard = records.onboard
     if onboard.camera is None:
@@ -41,7 +47,39 @@ def scene_data(records: FrameRecords, true: list[FrameRecord]) -> dict[str, Any]
         "corner_rays_in_cam": _plain(onboard.camera.rays(corners)),
         "true": [pose_numbers(record.true_pose) for record in true],
         "sun_in_target": [None if sun is None else _plain(sun) for sun in suns],
+        "clouds": {label: _plain(points, 4) for label, points in addition.clouds.items()},
     }
+
+
+def orbit_data(orbit: OrbitScene) -> dict[str, Any]:
+    """Return an orbit as plain numbers, m to the millimetre; senders to the kilometre.
+
+    Parameters
+    ----------
+    orbit : OrbitScene
+    """
+    return {
+        "true_m": [_maybe(place, 3) for place in orbit.true_m],
+        "said_m": {
+            label: [_maybe(place, 3) for place in own] for label, own in orbit.said_m.items()
+        },
+        "senders_m": [_maybe(places, -3) for places in orbit.senders_m],
+    }
+
+
+def turned(pose: RigidTransform | None, true_from_own: Floats | None) -> RigidTransform | None:
+    """Return a pose of the target's true axes, of one of a pipeline's own.
+
+    Parameters
+    ----------
+    pose : RigidTransform or None
+        ``cam_from_target``.
+    true_from_own : (3, 3) array or None
+        Both axes are one unless given.
+    """
+    if pose is None or true_from_own is None:
+        return pose
+    return RigidTransform(pose.rotation @ true_from_own.T, pose.translation)
 
 
 def pose_numbers(cam_from_target: RigidTransform | None) -> list[float] | None:
@@ -73,5 +111,9 @@ def _mesh(target: str, onboard: OnboardKnowledge) -> str:
     return base64.b64encode(glb_bytes([surface])).decode()
 
 
-def _plain(numbers: Any) -> Any:
-    return np.asarray(numbers, dtype=np.float64).round(7).tolist()
+def _plain(numbers: Any, places: int = 7) -> Any:
+    return np.asarray(numbers, dtype=np.float64).round(places).tolist()
+
+
+def _maybe(numbers: Floats | None, places: int) -> Any:
+    return None if numbers is None else _plain(numbers, places)

@@ -14,12 +14,19 @@ function startBar() {
   select.addEventListener("change", () => show({ pipeline: select.value }));
   select.parentElement.hidden = labels.length < 2;
 
+  const run = byId("run");
+  const runs = Math.max(...labels.map((label) => data.pipelines[label].runs.length));
+  run.append(...Array.from({ length: runs + 1 }, (_, k) =>
+    made("option", { value: k, textContent: k })));
+  run.addEventListener("change", () => show({ run: Number(run.value) }));
+  run.parentElement.hidden = runs < 1;
+
   // The frame whose first plotted error of this pipeline is largest.
   byId("worst").addEventListener("click", () => {
     const line = data.plots.flatMap((plot) => plot.lines)
       .find((each) => each.pipeline === shown.pipeline && each.kind === "line");
     if (!line) return;
-    const sizes = line.values.map((value) => value === null ? -1 : Math.abs(value));
+    const sizes = valuesNow(line).map((value) => value === null ? -1 : Math.abs(value));
     show({ place: sizes.indexOf(Math.max(...sizes)) });
   });
 
@@ -45,17 +52,17 @@ function startBar() {
 
   follow(() => {
     const { title } = data.frames[shown.place];
-    const said = data.pipelines[shown.pipeline].verdicts[shown.place];
+    const said = runNow().verdicts[shown.place];
     slider.value = shown.place;
     slider.setAttribute("aria-valuetext", `${title}: ${said}`);
     now.textContent = title;
     verdict.textContent = said;
-    verdict.classList.toggle("lost", data.pipelines[shown.pipeline].reasons[shown.place] !== null);
+    verdict.classList.toggle("lost", runNow().reasons[shown.place] !== null);
   });
 }
 
 byId("section").hidden = false;
-for (const start of [startBar, startPicture, startPlots, startScene]) {
+for (const start of [startBar, startPicture, startPlots, startScene, startOrbit]) {
   try {
     start();
   } catch (fault) {

@@ -14,6 +14,7 @@ from bench.report.parts import Card, Figure, ReportInput, ReportParts, Section
 from bench.report.plot import svg_address
 from bench.report.table import length
 from bench.report.unknown import figures, tables
+from bench.report.unknown.plots import plots
 from bench.scoring.target_shape import spread_points, target_shape
 from bench.scoring.unknown.cloud import Surface
 from bench.scoring.unknown.judged_unknown import judge_run, read_true_unknown
@@ -38,6 +39,7 @@ def report(given: ReportInput) -> ReportParts:
         headline=tables.headline_table(given.score),
         after=[_errors(given), _shape(given), _tracks(given, hero)],
         shown=[row["frame"] for row in rows if row["wrong"]],
+        plots=plots(given.score),
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import jinja2
 
+from bench.report.explorer.inlined import policy
 from bench.report.numbers import count, number, share
 from bench.report.parts import Card
 from bench.report.plot import svg_address
@@ -67,6 +68,7 @@ def _context(
     sizes = outcomes.plan.sizes
     tracked = suite_tables.every_cell(results)
     return {
+        "policy": policy(()),
         "sizes": sizes,
         "frames": sizes.frames,
         "camera": camera_preset(settings["camera"]),

@@ -1,12 +1,14 @@
 """The chain of an unknown target, from a folder of images to its page, and the wall in it."""
 
 import json
+import re
 import shutil
 
+import numpy as np
 import pytest
 
 from bench.cli import main
-from tests.support.unknown_cube import write_cube
+from tests.support.unknown_cube import off_the_cube_m, write_cube
 
 COUNT = 34
 
@@ -35,6 +37,17 @@ def test_the_page_has_its_sections(folder):
     page = (folder / "report.html").read_text()
     for words in ("Errors over time", "Tracks", "spin axis error", "no model, no prior pose"):
         assert words in page
+
+
+def test_the_scene_has_cloud_and_poses_in_the_true_axes(folder):
+    page = (folder / "report.html").read_text()
+    (data,) = re.findall(r'id="explorer-data">(.*?)</script>', page, re.DOTALL)
+    told = json.loads(data)
+    points = np.array(told["scene"]["clouds"]["best"])
+    assert (off_the_cube_m(points) < 0.3).mean() > 0.9  # with other axes few would lie on it
+    last, was = told["pipelines"]["best"]["poses"][-1], told["scene"]["true"][-1]
+    assert np.allclose(last[:9], was[:9], atol=0.02)
+    assert [plot["title"] for plot in told["plots"]][:2] == ["distance error", "attitude error"]
 
 
 def test_estimates_are_the_same_without_the_truth(folder, tmp_path):

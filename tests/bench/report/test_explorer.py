@@ -8,10 +8,12 @@ import json
 import re
 import struct
 
+import cv2
 import numpy as np
 import pytest
 
 from bench import api
+from bench.estimating.runs import read_run
 from bench.pictures.frame_record import FrameRecords
 from bench.pictures.stretch import stretch
 from bench.report.explorer.build_meshes import MOST_FACES
@@ -25,9 +27,15 @@ from bench.report.explorer.previews import (
     shown_places,
 )
 from bench.report.explorer.scene import MESHES, pose_numbers
+from models.dataset.dataset import open_dataset
 from models.sensors.camera_chip import Detector
 from models.spacecraft.catalogue import TARGETS
-from tests.support.synthetic_dataset import lost_estimate, write_dataset, write_variant
+from tests.support.synthetic_dataset import (
+    lost_estimate,
+    solved_estimate,
+    write_dataset,
+    write_variant,
+)
 
 HOSTILE = "</script><script>document.title='taken'</script><!-- \u2028 ]]> &amp; \"'"
 
@@ -101,6 +109,49 @@ def test_the_scene_has_the_true_and_the_estimated_pose(explored, scored_dataset)
                                  [-0.5, size[1] - 0.5]], atol=1e-3)  # fmt: skip
 
 
+def test_both_images_of_a_pair_are_there_that_of_the_marks_first(explored, scored_dataset):
+    first, second = explored["image"]["streams"]
+    assert (first["name"], second["name"]) == ("850 nm", "800 nm")
+    count = len(explored["frames"])
+    assert len(first["pictures"]) == len(second["pictures"]) == count
+    lit, dark = (
+        cv2.imdecode(np.frombuffer(base64.b64decode(each["pictures"][0]), np.uint8), 0).max()
+        for each in (first, second)
+    )
+    assert lit > dark + 50  # the synthetic markers answer at 850 nm alone
+
+
+def test_every_run_is_told_with_its_own_errors(tmp_path):
+    dataset = write_dataset(tmp_path / "data", frames=2, width_px=64)
+    rng = np.random.default_rng(2)
+
+    def said(truth):
+        return solved_estimate(dataset, truth, np.full(2, 0.2), rng)
+
+    for run in range(3):
+        write_variant(dataset, "best", said, run)
+    api.score(dataset.folder)
+    found = explorer_of(api.report(dataset.folder).read_text())
+    runs = found["pipelines"]["best"]["runs"]
+    assert [each["run"] for each in runs] == [1, 2]
+    plot = found["plots"][0]
+    assert plot["title"] == "position error of every run"
+    spread, chosen = plot["lines"]
+    truths = [truth.cam_from_target.translation for truth in dataset.truths]
+    for number in (0, 1, 2):
+        said_there = read_run(open_dataset(dataset.folder), number, "best").estimates
+        told = [
+            1e3 * float(np.linalg.norm(said_there[k].pose.cam_from_target.translation - was))
+            for k, was in enumerate(truths)
+        ]
+        assert chosen["runs"][number] == pytest.approx(told, rel=1e-4)
+        if number:
+            poses = [pose_numbers(said_there[k].pose.cam_from_target) for k in (0, 1)]
+            assert runs[number - 1]["poses"] == poses
+    assert spread["values"] == np.min(chosen["runs"], axis=0).tolist()
+    assert spread["upper"] == np.max(chosen["runs"], axis=0).tolist()
+
+
 def test_only_scripts_of_the_page_may_run(scored_dataset):
     text = (scored_dataset.folder / "report.html").read_text()
     (told,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
@@ -147,7 +198,7 @@ def test_previews_keep_within_their_budget():
     noise = np.random.default_rng(5).uniform(0.0, 3000.0, (500, 500))
     for frames in (1, 50, 2000):
         shown = len(shown_places(frames))
-        made = Previews(shown, detector).preview(noise)
+        made = Previews(shown, detector).preview("image", noise)
         assert len(made) * shown <= max(LEAST_IN_ALL, MOST_IN_ALL)
     assert len(shown_places(5000)) == MOST_PREVIEWS
     assert shown_places(3) == {0, 1, 2}

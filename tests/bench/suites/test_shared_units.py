@@ -7,6 +7,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from rich.console import Console
 
 from bench.runners.chunks import Chunk
@@ -16,6 +17,7 @@ from bench.suites.request import SuiteRequest
 from bench.suites.shared_units import do_share, shares_of, suite_work
 from bench.suites.spread import do_units
 from bench.suites.units import is_done, outcome_path, read_outcome, write_outcome
+from models.errors import ScenarioError
 from tests.support.suite_work import draw_units, units_of
 
 MODULE = units_of.__module__
@@ -73,3 +75,9 @@ def test_a_chunk_writes_down_all_that_was_asked_for(tmp_path: Path) -> None:
     do_share(MODULE, request_of(tmp_path), Chunk(0, 3), QUIET)
     asked = json.loads((tmp_path / "units" / ASKED_NAME).read_text())["asked"]
     assert asked == [unit.name for unit in draw_units(COUNT)]
+
+
+def test_a_suite_that_cannot_be_shared_out_says_so(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="cannot yet: leave out --runner and --chunk"):
+        do_share("bench.suites.request", request_of(tmp_path), Chunk(0, 3), QUIET)
+    assert not list(tmp_path.iterdir())

@@ -137,7 +137,20 @@ def test_suns_near_to_each_other_are_laid_out_in_rows():
 def test_the_picture_is_a_png_that_shows_the_frames():
     rows = rows_of(sun_grid(90.0), lost=(0,))
     white = [np.full((4, 4), 255, np.uint8) for _ in rows]
-    data = sun_map("title", SETTING, rows, white)
+    data = sun_map("title", SETTING, rows, white).png
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     red = np.array([int(FRAME_COLOURS["no pose"][k : k + 2], 16) for k in (5, 3, 1)])
     assert (np.abs(image.astype(int) - red).max(axis=2) < 3).sum() > 500
+
+
+def test_boxes_lie_on_their_frames():
+    rows = rows_of(sun_grid(90.0))
+    greys = [np.full((4, 4), 40 + 20 * number, np.uint8) for number in range(len(rows))]
+    drawn = sun_map("title", SETTING, rows, greys)
+    image = cv2.imdecode(np.frombuffer(drawn.png, np.uint8), cv2.IMREAD_GRAYSCALE)
+    high, wide = image.shape
+    for grey, (left, top, width, height) in zip(greys, drawn.boxes, strict=True):
+        for across in (0.2, 0.8):  # beside the words in the frame's corners
+            u = round(0.01 * (left + across * width) * wide)
+            v = round(0.01 * (top + 0.5 * height) * high)
+            assert abs(int(image[v, u]) - int(grey[0, 0])) <= 2

@@ -51,6 +51,7 @@ POSE = Estimate(
         ),
         covariance=np.diag(np.arange(1.0, 7.0)) * 1e-7,
         residual_rms_px=0.07,
+        wrong_probability=1 / 300,
     ),
     detections=FOUND,
 )
@@ -73,6 +74,7 @@ def assert_same(a: Estimate, b: Estimate) -> None:
         assert ours.matrix().tobytes() == theirs.matrix().tobytes()
         assert_same_or_none(a.pose.covariance, b.pose.covariance)
         assert a.pose.residual_rms_px == b.pose.residual_rms_px
+        assert a.pose.wrong_probability == b.pose.wrong_probability
     assert a.states.keys() == b.states.keys()
     for name, state in a.states.items():
         assert_same_or_none(state.covariance, b.states[name].covariance)

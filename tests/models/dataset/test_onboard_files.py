@@ -216,6 +216,25 @@ def test_any_expectations_come_back_to_the_last_bit(
     assert back.inertia_kg_m2 is None
 
 
+def test_the_sun_on_board_comes_back_to_the_last_bit(folder: Path) -> None:
+    path = folder / EXPECTATIONS
+    sun = np.array([1.0, -2.0, 0.5]) / np.sqrt(5.25)
+    known = replace(read_expectations(path), sun_dir_in_inertial=sun, sun_sigma_deg=0.3)
+    path.write_text(expectations_to_toml(known))
+    back = read_expectations(path)
+    assert back.sun_dir_in_inertial is not None
+    assert back.sun_dir_in_inertial.tobytes() == sun.tobytes()
+    assert back.sun_sigma_deg == 0.3
+
+
+def test_a_sun_of_another_length_is_refused(folder: Path) -> None:
+    path = folder / EXPECTATIONS
+    known = replace(read_expectations(path), sun_dir_in_inertial=np.array([0.5, 0.0, 0.0]))
+    path.write_text(expectations_to_toml(known))
+    with pytest.raises(DatasetError, match="sun_dir_in_inertial"):
+        read_expectations(path)
+
+
 def test_a_mount_typed_with_six_digits_is_made_exact(folder: Path) -> None:
     path = folder / EXPECTATIONS
     table = tomllib.loads(path.read_text())

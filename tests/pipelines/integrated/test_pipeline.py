@@ -173,3 +173,18 @@ def test_streams_are_whole_and_keyed_by_run():
     assert starts[0] == starts[1] != starts[2]
     assert GNSS in {each.name for each in world.tables}
     assert CHASER_ORBIT_COLUMNS not in {each.columns for each in world.tables}
+
+
+def test_in_its_absolute_mode_it_looks_at_no_target(navigated):
+    """The switch of VINAG's section 3: the chaser's own state is told, images are passed by."""
+    _, frames, said = navigated
+    switched = world_of(scenario(relative_from_s=START_S + 3.0))
+    own = registered_pipeline("integrated").make(switched.onboard(0), "best")
+    told = [own.process(frame) for frame in frames[:5]]
+    assert [each.mode for each in told[:3]] == ["absolute"] * 3
+    assert all(ORBIT in each.states and relative_state(each) is None for each in told[:3])
+    assert told[3].mode == said[0].mode == "acquired"
+    np.testing.assert_array_equal(
+        told[3].states[ORBIT].values["position_in_inertial_m"],
+        said[3].states[ORBIT].values["position_in_inertial_m"],
+    )

@@ -10,6 +10,7 @@ import pytest
 from models.errors import DatasetError
 from models.frame import CHASER_ORBIT, IMAGE, POINTS, Frame, TableReading
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
+from models.motion.tumble import CAM_FROM_LVLH
 from pipelines.uncooperative.knowledge import (
     ImageFrame,
     PointFrame,
@@ -99,3 +100,14 @@ def test_it_takes_what_it_needs_of_what_is_on_board() -> None:
             UncooperativeKnowledge.of(replace(IMAGES_ON_BOARD, **{missing: None}))
     with pytest.raises(DatasetError, match="for the pipeline uncooperative"):
         UncooperativeKnowledge.of(PAIRS_ON_BOARD)
+
+
+def test_the_sun_over_the_chaser_is_at_the_top_of_the_image() -> None:
+    """The camera looks along the track, image down is nadir: radially outward is image up."""
+    known = UncooperativeKnowledge.of(IMAGES_ON_BOARD)
+    chaser = ChaserState(0.0, np.array([4.2e7, 0.0, 0.0]), np.array([0.0, 3.07e3, 0.0]))
+    above = replace(known, cam_from_lvlh=CAM_FROM_LVLH, sun_dir_in_inertial=np.array([1.0, 0, 0]))
+    ahead = replace(above, sun_dir_in_inertial=np.array([0.0, 1.0, 0.0]))
+    np.testing.assert_allclose(above.sun_in_cam(chaser), [0.0, -1.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(ahead.sun_in_cam(chaser), [0.0, 0.0, 1.0], atol=1e-12)
+    assert replace(above, sun_dir_in_inertial=None).sun_in_cam(chaser) is None

@@ -12,6 +12,8 @@ import tomli_w
 
 from models.camera import Camera, camera_preset
 from models.errors import ScenarioError
+from renders.scenario.camera_choice import camera_of, pixel_scale
+from renders.scenario.camera_tables import CameraTable
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
 from tests.support.own_scenario import OWN_CAMERA
 
@@ -144,3 +146,15 @@ def test_a_file_has_no_place_in_a_scenario_that_has_none() -> None:
     scenario = Scenario.model_validate({"name": "x", "camera": {"file": "lens.toml"}})
     with pytest.raises(ScenarioError, match=r"camera\.file of a scenario that is read from a file"):
         check_scenario(scenario, "here")
+
+
+def test_a_preset_has_its_own_columns_unless_they_are_typed() -> None:
+    """VINAG's camera: 1920 x 1080, +-50 deg; half of it at 960 columns."""
+    whole = CameraTable.model_validate({"preset": "vinag_1080p"})
+    camera = camera_of(whole)
+    assert (camera.width, camera.height) == (1920, 1080)
+    assert np.rad2deg(np.arctan(0.5 * camera.width / camera.fx)) == pytest.approx(50.0)
+    assert pixel_scale(whole) == 1.0
+    half = camera_of(CameraTable.model_validate({"preset": "vinag_1080p", "width": 960}))
+    assert (half.width, half.height) == (960, 540)
+    assert camera_of(CameraTable.model_validate({"preset": "eye_in_hand"})).width == 2048

@@ -294,3 +294,37 @@ def test_every_run_has_a_clock_of_its_own() -> None:
 def test_a_clock_that_no_clock_is_is_refused() -> None:
     with pytest.raises(ScenarioError, match="drift_ppm"):
         ToldClock.of(table(clock={"drift_ppm": {"offset": -2e5}}), 0)
+
+
+# The Sun on board
+
+
+def test_the_sun_is_told_off_by_its_sigma_and_the_sigma_with_it() -> None:
+    """Across the true direction there are two axes; along it a turn changes nothing."""
+    sun, sigma_deg = np.array([0.6, 0.0, 0.8]), 0.3
+    assert TRUE.expectations is not None
+    expected = replace(TRUE.expectations, sun_dir_in_inertial=sun, sun_sigma_deg=sigma_deg)
+    onboard = replace(TRUE, expectations=expected)
+    off_deg = []
+    for run in range(RUNS):
+        known = told(onboard, None, EXACT, run).expectations
+        assert known is not None
+        assert known.sun_sigma_deg == sigma_deg
+        assert known.sun_dir_in_inertial is not None
+        cosine = np.clip(known.sun_dir_in_inertial @ sun, -1.0, 1.0)
+        off_deg.append(np.rad2deg(np.arccos(cosine)))
+    mean_square = np.mean(np.square(off_deg)) / 2.0
+    assert np.sqrt(mean_square) == pytest.approx(sigma_deg, rel=SCATTER)
+
+
+def test_of_a_run_the_sun_is_the_same_with_other_errors_or_without() -> None:
+    assert TRUE.expectations is not None
+    expected = replace(
+        TRUE.expectations, sun_dir_in_inertial=np.array([1.0, 0.0, 0.0]), sun_sigma_deg=1.0
+    )
+    onboard = replace(TRUE, expectations=expected)
+    plain = told(onboard, None, EXACT, 4).expectations
+    other = told(onboard, table(mount={"turn_deg": {"sigma": 0.1}}), EXACT, 4).expectations
+    assert plain is not None
+    assert other is not None
+    np.testing.assert_array_equal(plain.sun_dir_in_inertial, other.sun_dir_in_inertial)

@@ -1,0 +1,93 @@
+"""``rvbench suite uncooperative-suns``: render what is missing, try it, summarise, report."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from importlib.metadata import version
+from typing import Any
+
+from rich.console import Console
+
+from bench.report.numbers import count, number
+from bench.scoring.score import rounded
+from bench.suites.folder import write_document
+from bench.suites.request import SuiteFiles, SuiteRequest
+from bench.suites.spread import do_units
+from bench.suites.uncooperative_suns.page import write_suite_page
+from bench.suites.uncooperative_suns.plan import QUICK, TARGETS, Plan, Sizes
+from bench.suites.uncooperative_suns.results import Summary, results_of, summary_of
+from bench.suites.units import LIBRARIES
+
+NAME = "uncooperative-suns"
+
+
+def plan_of(request: SuiteRequest) -> Plan:
+    """Return what a request asks for.
+
+    Raises
+    ------
+    ScenarioError
+        If a target or a size is none.
+    """
+    own, asked = QUICK if request.quick else Sizes(), request.sizes("runs", "paper_runs", "width")
+    sizes = replace(own, seed=request.seed, **asked)
+    return Plan(sizes, request.parts or TARGETS, request.out)
+
+
+def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
+    """Do what is missing and write ``suite.json`` and ``suite.html``.
+
+    Raises
+    ------
+    ScenarioError, VariantError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    return run_plan(plan_of(request), request.workers, console)
+
+
+def run_plan(plan: Plan, workers: int, console: Console) -> SuiteFiles:
+    """Do what is missing of a plan and write its results; see ``run_suite``.
+
+    Parameters
+    ----------
+    plan : Plan
+    workers : int
+        Processes.
+    console : Console
+        For progress.
+    """
+    frames = [unit for target in plan.targets for unit in plan.frames(target)]
+    do_units(frames, plan.frames_folder, workers, console)
+    do_units(plan.units, plan.out / "units", workers, console)
+    results = results_of(plan)
+    summaries = {
+        target: {variant: summary_of(starts) for variant, starts in own.items()}
+        for target, own in results.items()
+    }
+    settings = _settings(plan)
+    found = {t: {v: rounded(asdict(s)) for v, s in own.items()} for t, own in summaries.items()}
+    score = write_document(plan.out, NAME, settings, targets=found)
+    page = write_suite_page(plan.out / "suite.html", plan, results, summaries, settings)
+    return SuiteFiles(score, page, _summary(summaries))
+
+
+def _settings(plan: Plan) -> dict[str, Any]:
+    return {
+        **asdict(plan.sizes),
+        "targets": list(plan.targets),
+        "libraries": {name: version(name) for name in LIBRARIES},
+    }
+
+
+def _summary(summaries: dict[str, dict[str, Summary]]) -> list[list[str]]:
+    rows = [["", "", "starts", "found", "wrong", "refused", "found of lit", "s a start"]]
+    for target, own in summaries.items():
+        for variant, one in reversed(own.items()):
+            rows.append(
+                [
+                    target, variant, count(one.every.starts), count(one.every.found),
+                    count(one.every.wrong), count(one.every.refused),
+                    f"{one.lit.found} of {one.lit.starts}", number(one.seconds[0]),
+                ]
+            )  # fmt: skip
+    return rows

@@ -1,0 +1,1 @@
+"""A page, opened in the user's own browser."""

@@ -1,0 +1,260 @@
+"""Rival poses carried from image to image, until what they explain together decides.
+
+A rival is a motion: a pose in each image, a turn from one to the next that a target may make, and
+from the third on at about the same rate. What is claimed is the end of the best, if the others are
+so much worse that it is hardly wrong; how hardly was counted on starts of its own, with the Sun's
+direction off as told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from models.pose import RigidTransform
+from pipelines.acquisition.under_sun import Candidate, UnderSun
+
+ALONE_SIGMAS = 4.0  # what a sole candidate of an image leads by
+MOST_SIGMAS = 5.0  # a larger lead is no surer: it says that others are bad, not that this is right
+
+
+@dataclass(frozen=True)
+class RivalOptions:
+    """What motion is possible, and what is believed.
+
+    Attributes
+    ----------
+    fastest_deg_s : float, deg/s
+        That a target turns, and
+    slack_deg : float, deg
+        what two poses may be off besides.
+    steady_share : float
+        By how much of itself a turn may differ from that foreseen at the rate before.
+    moved_share : float
+        Of the range: how far the target goes from image to image at most.
+    another_view_deg : float, deg
+        A turn after which an image tells all anew;
+    least_weight : float
+        of one after no turn so much of it counts, for noise and light are alike but not the same.
+    most_rivals : int
+        Carried on.
+    most_wrong : float
+        Probability of being wrong with which a pose is still claimed.
+    """
+
+    fastest_deg_s: float = 4.0
+    slack_deg: float = 4.0
+    steady_share: float = 0.3
+    moved_share: float = 0.05
+    another_view_deg: float = 10.0
+    least_weight: float = 0.25
+    most_rivals: int = 8
+    most_wrong: float = 0.01
+
+
+@dataclass(frozen=True)
+class Belief:
+    """Log-odds that the best rival is wrong: a sum of what speaks for it and against.
+
+    Weights of ``bench.suites.uncooperative_suns.calibration``, on 32 images of 16 starts alone, and
+    therefore rounded to the careful side.
+
+    Attributes
+    ----------
+    constant, by_margin, by_light, by_steps : float
+        Weights of 1, of the best rival's lead over the next, and of its mean shares explained.
+    least : float
+        No claim is told to be surer: so few were counted.
+    """
+
+    constant: float = 4.0
+    by_margin: float = -0.8
+    by_light: float = -2.0
+    by_steps: float = -5.0
+    least: float = 2e-3
+
+    def wrong_probability(self, margin: float, light: float, steps: float) -> float:
+        """Return the probability that the best rival is wrong.
+
+        Parameters
+        ----------
+        margin : float
+            Weighted score that it leads by.
+        light, steps : float
+            Means over its images.
+        """
+        odds = self.constant + self.by_margin * margin + self.by_light * light
+        odds += self.by_steps * steps
+        return max(float(1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))), self.least)
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """A motion that the images so far allow.
+
+    Attributes
+    ----------
+    times_s : tuple of float, s
+        Of its images.
+    poses : tuple of RigidTransform
+    last : Candidate
+        Of the last image.
+    score, weight : float
+        Sums over all images, each weighted.
+    explained, light, steps : float
+        Sums over its own.
+    """
+
+    times_s: tuple[float, ...]
+    poses: tuple[RigidTransform, ...]
+    last: Candidate
+    score: float
+    weight: float
+    explained: float
+    light: float
+    steps: float
+
+    def foreseen(self, time_s: float) -> RigidTransform:
+        """Return where its last rate takes it; where it was, from a single image."""
+        if len(self.poses) < 2:
+            return self.poses[-1]
+        (before, last), (early, late) = self.poses[-2:], self.times_s[-2:]
+        share = (time_s - late) / (late - early)
+        turn = Rotation.from_matrix(before.rotation.T @ last.rotation).as_rotvec()
+        rotation = last.rotation @ Rotation.from_rotvec(share * turn).as_matrix()
+        place = last.translation + share * (last.translation - before.translation)
+        return RigidTransform(rotation, place if place[2] > 0.0 else last.translation)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What the images so far come to.
+
+    Attributes
+    ----------
+    best : Candidate
+    wrong_probability : float
+    margin : float
+        Weighted score by which the best rival leads.
+    light, steps : float
+        Means over its images.
+    other : RigidTransform or None
+        The next one's pose in the last image.
+    """
+
+    best: Candidate
+    wrong_probability: float
+    margin: float
+    light: float
+    steps: float
+    other: RigidTransform | None
+
+
+class Rivals:
+    """Rivals over some images of one target.
+
+    Parameters
+    ----------
+    looking : UnderSun
+        Knows which poses are the same.
+    options : RivalOptions
+    belief : Belief
+    """
+
+    def __init__(self, looking: UnderSun, options: RivalOptions, belief: Belief) -> None:
+        self._looking, self._options, self._belief = looking, options, belief
+        self.carried: list[Rival] = []
+        self._weight = 0.0
+        self._worst = 0.0
+
+    def foreseen(self, time_s: float, most: int = 3) -> tuple[RigidTransform, ...]:
+        """Return where the best rivals go, to be tried in the next image.
+
+        Parameters
+        ----------
+        time_s : float, s
+        most : int
+            Of them.
+        """
+        return tuple(rival.foreseen(time_s) for rival in self.carried[:most])
+
+    def add(self, time_s: float, candidates: tuple[Candidate, ...]) -> Verdict:
+        """Take an image's candidates.
+
+        Parameters
+        ----------
+        time_s : float, s
+            Later than before.
+        candidates : tuple of Candidate
+            One or more.
+        """
+        weight = self._weight_of(time_s, candidates)
+        grown = [self._grown(time_s, candidate, weight) for candidate in candidates]
+        self._weight += weight
+        self._worst += weight * min(one.score for one in candidates)
+        self.carried = sorted(grown, key=lambda rival: -rival.score)[: self._options.most_rivals]
+        return self._verdict()
+
+    def _weight_of(self, time_s: float, candidates: tuple[Candidate, ...]) -> float:
+        """Return what an image counts: little, if it shows the best rivals from where they were."""
+        if not self.carried:
+            return 1.0
+        turn = _turn_deg(self.carried[0].poses[-1], candidates[0].pose)
+        share = min(1.0, turn / self._options.another_view_deg)
+        return max(self._options.least_weight, share)
+
+    def _grown(self, time_s: float, candidate: Candidate, weight: float) -> Rival:
+        """Return the best motion that ends in a candidate."""
+        before = [rival for rival in self.carried if self._goes_on(rival, time_s, candidate.pose)]
+        if not before:  # it explains nothing of the images before, as the worst of them did
+            nothing = Rival((), (), candidate, self._worst, self._weight, 0.0, 0.0, 0.0)
+            return self._with(nothing, time_s, candidate, weight)
+        best = max(before, key=lambda rival: rival.score)
+        return self._with(best, time_s, candidate, weight)
+
+    @staticmethod
+    def _with(rival: Rival, time_s: float, candidate: Candidate, weight: float) -> Rival:
+        return Rival(
+            times_s=(*rival.times_s, time_s),
+            poses=(*rival.poses, candidate.pose),
+            last=candidate,
+            score=rival.score + weight * candidate.score,
+            weight=rival.weight + weight,
+            explained=rival.explained + weight,
+            light=rival.light + weight * candidate.light,
+            steps=rival.steps + weight * candidate.steps,
+        )
+
+    def _goes_on(self, rival: Rival, time_s: float, pose: RigidTransform) -> bool:
+        options, last = self._options, rival.poses[-1]
+        away = float(np.linalg.norm(pose.translation - last.translation))
+        if away > options.moved_share * last.translation[2]:
+            return False
+        turn = _turn_deg(last, pose)
+        if turn > options.fastest_deg_s * (time_s - rival.times_s[-1]) + options.slack_deg:
+            return False
+        if len(rival.poses) < 2:
+            return True
+        off = _turn_deg(rival.foreseen(time_s), pose)
+        return off <= options.slack_deg + options.steady_share * turn
+
+    def _verdict(self) -> Verdict:
+        best = self.carried[0]
+        others = [
+            rival
+            for rival in self.carried[1:]
+            if not self._looking.same(rival.poses[-1], best.poses[-1])
+        ]
+        lead = best.score - others[0].score if others else ALONE_SIGMAS * best.weight
+        margin = min(lead, MOST_SIGMAS)
+        light, steps = best.light / best.explained, best.steps / best.explained
+        wrong = self._belief.wrong_probability(margin, light, steps)
+        other = others[0].poses[-1] if others else None
+        return Verdict(best.last, wrong, margin, light, steps, other)
+
+
+def _turn_deg(pose: RigidTransform, other: RigidTransform) -> float:
+    cosine = 0.5 * (float(np.trace(pose.rotation.T @ other.rotation)) - 1.0)
+    return float(np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0))))

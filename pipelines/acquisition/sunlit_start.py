@@ -1,0 +1,118 @@
+"""A start under a Sun that is known: images are taken until one motion is hardly wrong.
+
+What a start may cost is counted in fits, so that the same images give the same answer on any
+machine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from models.arrays import Floats, Image
+from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Verdict
+from pipelines.acquisition.under_sun import Candidate, UnderSun
+from pipelines.tracking.edge_fit import EdgeImage
+
+
+@dataclass(frozen=True)
+class SunlitStartOptions:
+    """What is believed, and what a start may cost.
+
+    Attributes
+    ----------
+    rivals : RivalOptions
+    belief : Belief
+    most_work : float
+        In fits: an image that would begin beyond it is not looked at.
+    longest_gap_s : float, s
+        Between images of one start.
+    """
+
+    rivals: RivalOptions = field(default_factory=RivalOptions)
+    belief: Belief = field(default_factory=Belief)
+    most_work: float = 110.0
+    longest_gap_s: float = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class StartAnswer:
+    """What a start says of its latest image.
+
+    Attributes
+    ----------
+    pose : Candidate or None
+    reason : str
+        Why there is none; empty where there is one.
+    wrong_probability : float
+        That the best pose, claimed or not, is another than the true one; 1 without any.
+    image : EdgeImage or None
+        The part about the target; None where it was not looked at, and never with a pose.
+    over : bool
+        Whether the next image begins a new start.
+    """
+
+    pose: Candidate | None
+    reason: str
+    wrong_probability: float
+    image: EdgeImage | None
+    over: bool
+
+
+class SunlitStart:
+    """One start.
+
+    Parameters
+    ----------
+    looking : UnderSun
+    options : SunlitStartOptions
+    """
+
+    def __init__(self, looking: UnderSun, options: SunlitStartOptions) -> None:
+        self._looking, self._options = looking, options
+        self._rivals = Rivals(looking, options.rivals, options.belief)
+        self._work = 0.0
+        self.last_s = -np.inf
+
+    def take(self, image: Image, time_s: float, sun_in_cam: Floats) -> StartAnswer:
+        """Take the next image.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        time_s : float, s
+            Later than before.
+        sun_in_cam : (3,) array
+            Unit vector towards the Sun.
+        """
+        if self.last_s == -np.inf:
+            self.last_s = time_s
+        if self._work >= self._options.most_work:
+            reason = f"no pose within {self._options.most_work:.0f} fits, which a start may cost"
+            return StartAnswer(None, reason, 1.0, None, over=True)
+        looked = self._looking.look(image, sun_in_cam, self._rivals.foreseen(time_s))
+        self._work += looked.work
+        self.last_s = time_s
+        if not looked.candidates:
+            return StartAnswer(None, looked.reason, 1.0, looked.image, over=False)
+        verdict = self._rivals.add(time_s, looked.candidates)
+        wrong = verdict.wrong_probability
+        if wrong > self._options.rivals.most_wrong:
+            return StartAnswer(None, _doubt(verdict), wrong, looked.image, over=False)
+        return StartAnswer(verdict.best, "", wrong, looked.image, over=True)
+
+
+def _doubt(verdict: Verdict) -> str:
+    best = verdict.best
+    told = (
+        f"the best pose may be wrong, with a probability of {verdict.wrong_probability:.2g}: it "
+        f"explains {100.0 * best.light:.0f} % of the light and {100.0 * best.steps:.0f} % of the "
+        "edges due"
+    )
+    if verdict.other is None:
+        return told
+    turn = Rotation.from_matrix(best.pose.rotation.T @ verdict.other.rotation)
+    away_deg = np.rad2deg(turn.magnitude())
+    return f"{told}, and leads by {verdict.margin:.3f} over one {away_deg:.0f} deg away"

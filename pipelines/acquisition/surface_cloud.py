@@ -1,0 +1,130 @@
+"""A known target's surface as a cloud of points: what a camera sees of it, and what the Sun lights.
+
+Points are spread evenly over the faces that the wireframe hides with. What is nearest in each cell
+of a grid is seen; the same grid, laid across the Sun's direction, tells what lies in cast shadow
+(Williams 1978, "Casting curved shadows on curved surfaces"). A face has no outside: a sheet is lit
+and seen from both sides, but on the side that is seen only from there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from models.arrays import Floats, Indices
+from models.wireframe.wireframe import Wireframe
+
+POINTS = 16_000
+SHADOW_CELLS = 72  # across the target's diameter
+CLEAR_CELLS = 2.5  # nearer than this behind what the Sun meets first a point is lit itself
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceCloud:
+    """Points of a surface.
+
+    Attributes
+    ----------
+    points : (n, 3) array, m
+        In the target frame.
+    normals : (n, 3) array
+        Of their faces, either way.
+    radius_m : float, m
+        Of the farthest.
+    """
+
+    points: Floats
+    normals: Floats
+    radius_m: float
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@lru_cache(maxsize=8)
+def surface_cloud(wireframe: Wireframe, count: int = POINTS) -> SurfaceCloud:
+    """Spread points over a wireframe's faces, the same ones each time; kept in memory.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+    count : int
+        About how many.
+    """
+    triangles = wireframe.triangles_in_target
+    across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area = 0.5 * np.linalg.norm(across, axis=1)
+    share = area * (count / max(float(area.sum()), 1e-12))
+    # Cumulative rounding: small faces get one of some neighbours' points, none is left out in all.
+    ends = np.floor(np.cumsum(share) + 0.5).astype(np.int64)
+    face = np.repeat(np.arange(len(triangles)), np.diff(np.concatenate([[0], ends])))
+    u, v = _even_pairs(len(face)).T
+    fold = u + v > 1.0
+    u, v = np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
+    corner = triangles[face]
+    points = (
+        corner[:, 0]
+        + u[:, None] * (corner[:, 1] - corner[:, 0])
+        + v[:, None] * (corner[:, 2] - corner[:, 0])
+    )
+    normals = across[face] / np.maximum(2.0 * area[face], 1e-12)[:, None]
+    radius = float(np.linalg.norm(triangles.reshape(-1, 3), axis=1).max(initial=1e-6))
+    return SurfaceCloud(points, normals, radius)
+
+
+def _even_pairs(count: int) -> Floats:
+    """Return pairs spread evenly over a square, (count, 2): Roberts's R2 sequence."""
+    step = np.array([0.7548776662466927, 0.5698402909980532])
+    return np.asarray((0.5 + np.arange(1, count + 1)[:, None] * step) % 1.0)
+
+
+def nearest_in_cells(
+    column: Indices, row: Indices, depth: Floats, width: int, height: int
+) -> Indices:
+    """Return the nearest point in each cell of a grid, (height * width,), -1 where there is none.
+
+    Parameters
+    ----------
+    column, row : (n,) arrays of int
+        Cells; outside of the grid they are left out.
+    depth : (n,) array
+    width, height : int
+        Of the grid.
+    """
+    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    chosen = np.flatnonzero(inside)
+    chosen = chosen[np.argsort(-depth[chosen], kind="stable")]
+    found = np.full(width * height, -1, dtype=np.int64)
+    found[row[chosen] * width + column[chosen]] = chosen  # the last, which is nearest, stays
+    return found
+
+
+def sunlight(cloud: SurfaceCloud, sun: Floats) -> Floats:
+    """Return the cosine at which the Sun meets each point, (n,), signed by the side of its face.
+
+    It is zero in cast shadow, and positive where the Sun shines on the side of the normal.
+
+    Parameters
+    ----------
+    cloud : SurfaceCloud
+    sun : (3,) array
+        Unit vector towards the Sun, target frame.
+    """
+    helper = np.eye(3)[int(np.argmin(np.abs(sun)))]
+    right = np.cross(helper, sun)
+    right /= np.linalg.norm(right)
+    plane = cloud.points @ np.stack([right, np.cross(sun, right)]).T
+    height = cloud.points @ sun
+    cell = 2.0 * cloud.radius_m / SHADOW_CELLS
+    column, row = np.floor(plane / cell + 0.5 * SHADOW_CELLS).astype(np.int64).T
+    column, row = (np.clip(each, 0, SHADOW_CELLS - 1) for each in (column, row))
+    top = np.full(SHADOW_CELLS * SHADOW_CELLS, -np.inf)
+    np.maximum.at(top, row * SHADOW_CELLS + column, height)
+    cosine = cloud.normals @ sun
+    # A face that the Sun grazes falls within a cell by the tangent of its tilt.
+    slope = np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) / np.maximum(np.abs(cosine), 0.05)
+    clear = cell * (CLEAR_CELLS + slope)
+    lit = height > top[row * SHADOW_CELLS + column] - np.minimum(clear, 8.0 * cell)
+    return np.where(lit, cosine, 0.0)

@@ -1,0 +1,353 @@
+"""Poses that an image allows under a Sun that is known, the likeliest first.
+
+Views are told apart by what shines in them; the likeliest are laid on the image's edges, and so are
+their twins, half a turn about each axis of the target away; each is held against the image's light
+and against the edges at which a step in brightness is due. Nothing is decided here: rivals go on
+into the next image (``pipelines.acquisition.rivals``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from models.arrays import Floats, Image, Mask
+from models.camera import Camera
+from models.pose import RigidTransform
+from models.sensors.camera_chip import Detector
+from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.image_part import cut_out, lit_extent_rad, phase_rad
+from pipelines.acquisition.light_likelihood import (
+    ImageLight,
+    ToldLight,
+    brightness,
+    explained,
+    image_light,
+    preference,
+    shading,
+    told_light,
+)
+from pipelines.acquisition.sunlit_views import (
+    SeenViews,
+    SunlitViews,
+    search_sunlit_views,
+    seen_views,
+    sunlit_views,
+)
+from pipelines.acquisition.surface_cloud import surface_cloud
+from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, search_steps
+from pipelines.tracking.model_edges import ModelEdges
+from pipelines.tracking.pose_check import PoseCheck, check_pose
+
+NEAR_RADII, FAR_RADII = 3.5, 6.0  # ranges from which views are made, for their perspective
+NEAR_BEYOND = 0.43  # of the range: what shines is wider across only of a near target
+RANGE_SLACK = 1.25  # beyond the coarse range that is known
+PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
+SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light prefers
+LEVELS = np.array([0.0, 0.02, 0.3, 1.0])  # of brightness, by what a pose says
+DUE_STEP = 0.2  # of these, across an edge at which an image must show a step
+STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
+NEAR_PX = 2.0  # an edge this near to its step is found,
+SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
+FEWEST_DUE = 12  # samples of edges: fewer tell nothing
+TEMPLATE_WORK, SEARCH_WORK, LIGHT_WORK, FIT_WORK = 14.0, 4.0, 0.15, 1.0  # in fits
+
+
+@dataclass(frozen=True)
+class UnderSunOptions:
+    """How thoroughly to look.
+
+    Attributes
+    ----------
+    fine_width : int, px
+        Images wider than this are reduced.
+    directions : int
+        From how many the target is seen, before the first image.
+    views : int
+        How many of the likeliest are held against the light,
+    laid : int
+        how many of these are laid on the edges,
+    twinned : int
+        and of how many of these the twins are tried.
+    about_deg : float, deg
+        The best is tried anew from as far off, either way about each axis of the target: a small
+        one fits poses some degrees apart alike.
+    finalists : int
+        How many poses are kept of an image.
+    apart_deg, apart_share : float
+        Poses further apart than this, or than this share of the range, are different.
+    least_radius_px : float, px
+        A target that seems smaller is not looked for.
+    """
+
+    fine_width: int = 1024
+    directions: int = 500
+    views: int = 40
+    laid: int = 12
+    twinned: int = 2
+    about_deg: float = 15.0
+    finalists: int = 6
+    apart_deg: float = 8.0
+    apart_share: float = 0.05
+    least_radius_px: float = 12.0
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A pose laid on an image, and how it fits.
+
+    Attributes
+    ----------
+    fit : EdgeFit
+    check : PoseCheck
+    light : float
+        Share of the image's light that it explains; see ``light_likelihood``.
+    steps : float
+        Share found of the steps in brightness that are due, each counted by how near it is.
+    shading : float
+        Correlation of its brightness with the Sun's cosine.
+    told : ToldLight
+        What it says of the light.
+    preferred : float
+        How clearly the light prefers it to the best fit of the image, in sigmas.
+    """
+
+    fit: EdgeFit
+    check: PoseCheck
+    light: float
+    steps: float
+    shading: float
+    told: ToldLight
+    preferred: float = 0.0
+
+    @property
+    def pose(self) -> RigidTransform:
+        """``cam_from_target``."""
+        return self.fit.cam_from_target
+
+    @property
+    def fitness(self) -> float:
+        """How it fits by itself, in one number; a perfect fit has about 1.7."""
+        return self.light + 0.5 * self.steps + 0.25 * self.check.score + 0.2 * self.shading
+
+    @property
+    def score(self) -> float:
+        """How it fits, and how it stands to the image's best fit, in sigmas."""
+        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
+
+
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """What an image allows.
+
+    Attributes
+    ----------
+    image : EdgeImage
+        Cut out and with its edges.
+    light : ImageLight or None
+    candidates : tuple of Candidate
+        Different poses, the likeliest first.
+    reason : str
+        Why there is none; empty where there is one.
+    work : float
+        That it took, in fits.
+    """
+
+    image: EdgeImage
+    light: ImageLight | None
+    candidates: tuple[Candidate, ...]
+    reason: str
+    work: float
+
+
+class UnderSun:
+    """Looks for one target; its views are made at the first image and kept.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+    camera : Camera
+    detector : Detector or None
+    options : UnderSunOptions
+    range_m : (float, float), optional, m
+        Nearest and farthest, if known.
+    """
+
+    def __init__(
+        self,
+        wireframe: Wireframe,
+        camera: Camera,
+        detector: Detector | None,
+        options: UnderSunOptions,
+        range_m: tuple[float, float] | None = None,
+    ) -> None:
+        self._wireframe, self._camera, self._detector = wireframe, camera, detector
+        self._options = options
+        self._cloud = surface_cloud(wireframe)
+        self._edges = ModelEdges(wireframe)
+        self._range_m = range_m
+        self._seen: SeenViews | None = None
+        self._lit: SunlitViews | None = None
+        axes = [
+            np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
+        ]
+        about = np.deg2rad(options.about_deg) * np.concatenate([np.eye(3), -np.eye(3)])
+        self._small_turns = list(Rotation.from_rotvec(about).as_matrix())
+        self._half_turns = [turn for turn in axes if not self._is_symmetry(turn)]
+
+    def look(
+        self, image: Image, sun_in_cam: Floats, expected: tuple[RigidTransform, ...] = ()
+    ) -> Looked:
+        """Return the poses that an image allows.
+
+        Parameters
+        ----------
+        image : (height, width) uint16 array, DN
+        sun_in_cam : (3,) array
+            Unit vector towards the Sun.
+        expected : tuple of RigidTransform
+            Poses to be tried beside those of the search.
+        """
+        options = self._options
+        cut = cut_out(image, self._camera, self._detector, options.fine_width)
+        if not cut.target:
+            return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
+        rung = NEAR_RADII if lit_extent_rad(cut) > NEAR_BEYOND else FAR_RADII
+        seen = seen_views(self._wireframe, rung, options.directions)
+        phase, work = phase_rad(cut, sun_in_cam), SEARCH_WORK
+        off_rad = np.inf if self._lit is None else abs(self._lit.phase_rad - phase)
+        if self._lit is None or off_rad > np.deg2rad(PHASE_STEP_DEG) or self._seen is not seen:
+            self._seen, self._lit = seen, sunlit_views(seen, phase)
+            work += TEMPLATE_WORK
+        shine = np.sqrt(np.minimum(brightness(cut.target), 1.0)).astype(np.float32)
+        views = search_sunlit_views(
+            shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, options.views
+        )
+        starts = [view.cam_from_target for view in views] + list(expected)
+        starts = [start for start in starts if self._in_range(start)]
+        if not starts:
+            return Looked(cut, None, (), "no view of the target shines like the image", work)
+        radius_px = float(np.median([self._radius_px(cut, start) for start in starts[:10]]))
+        if radius_px < options.least_radius_px:
+            reason = f"the target is too small: its radius seems to be {radius_px:.0f} px"
+            return Looked(cut, None, (), reason, work)
+        light = image_light(cut.target, radius_px)
+        shares = [self._light(cut, light, start, sun_in_cam) for start in starts]
+        work += LIGHT_WORK * len(starts)
+        order = np.argsort(-np.array(shares), kind="stable")[: options.laid]
+        chosen = [starts[each] for each in order] + list(expected)
+        reach = float(np.clip(0.14 * radius_px, 5.0, 16.0))
+        laid = [self._laid(cut, light, start, sun_in_cam, reach) for start in chosen]
+        found = self._different([one for one in laid if one is not None])
+        twins = [
+            RigidTransform(one.pose.rotation @ turn, one.pose.translation)
+            for one in found[: options.twinned]
+            for turn in self._half_turns
+        ]
+        twins += [
+            RigidTransform(one.pose.rotation @ turn, one.pose.translation)
+            for one in found[:1]
+            for turn in self._small_turns
+        ]
+        laid = [self._laid(cut, light, twin, sun_in_cam, reach) for twin in twins]
+        work += FIT_WORK * (len(chosen) + len(twins))
+        found = self._different([*found, *(one for one in laid if one is not None)])
+        if not found:
+            reason = "no view of the target can be laid on the image's edges"
+            return Looked(cut, light, (), reason, work)
+        finals = found[: options.finalists]
+        told = finals[0].told
+        weighed = [replace(one, preferred=preference(light, one.told, told)) for one in finals]
+        weighed.sort(key=lambda one: -one.score)
+        return Looked(cut, light, tuple(weighed), "", work)
+
+    def same(self, pose: RigidTransform, other: RigidTransform) -> bool:
+        """Tell whether two poses are near each other, a symmetry of the target aside."""
+        away = float(np.linalg.norm(pose.translation - other.translation))
+        if away > self._options.apart_share * other.translation[2]:
+            return False
+        least = 1.0 + 2.0 * np.cos(np.deg2rad(self._options.apart_deg))
+        turns = (np.eye(3), *self._wireframe.symmetries)
+        return any(
+            float(np.trace(pose.rotation @ turn @ other.rotation.T)) > least for turn in turns
+        )
+
+    def _laid(
+        self,
+        cut: EdgeImage,
+        light: ImageLight,
+        start: RigidTransform,
+        sun_in_cam: Floats,
+        reach_px: float,
+    ) -> Candidate | None:
+        reaches = (reach_px, max(0.5 * reach_px, 4.0), 4.0)
+        fit = fit_edges(cut, self._edges, start, reaches)
+        if fit is None or not self._in_range(fit.cam_from_target):
+            return None
+        pose = fit.cam_from_target
+        told = told_light(light, self._cloud, cut.camera, pose, sun_in_cam)
+        return Candidate(
+            fit=fit,
+            check=check_pose(cut, self._edges, pose),
+            light=explained(light, told),
+            steps=self._steps(cut, light, pose, told),
+            shading=shading(light, told),
+            told=told,
+        )
+
+    def _light(
+        self, cut: EdgeImage, light: ImageLight, pose: RigidTransform, sun_in_cam: Floats
+    ) -> float:
+        return explained(light, told_light(light, self._cloud, cut.camera, pose, sun_in_cam))
+
+    def _steps(
+        self,
+        cut: EdgeImage,
+        light: ImageLight,
+        pose: RigidTransform,
+        told: ToldLight,
+    ) -> float:
+        """Return how many of the steps in brightness that a pose has are found, and how near."""
+        samples = self._edges.shown(cut.camera, pose)
+        if len(samples) < FEWEST_DUE:
+            return 0.0
+        level, corner = LEVELS[told.said], told.corner
+        size = np.array(level.shape[::-1])
+
+        def beside(way: float) -> Floats:
+            places = samples.points_px + way * STEP_CELLS * light.cell_px * samples.normals_px
+            cell = np.floor((places - light.corner_px) / light.cell_px).astype(int) - corner
+            inside = np.asarray(((cell >= 0) & (cell < size)).all(axis=1))
+            column, row = np.where(inside[:, None], cell, 0).T
+            return np.where(inside, level[row, column], 0.0)
+
+        is_due: Mask = np.abs(beside(1.0) - beside(-1.0)) > DUE_STEP
+        due = samples.subset(is_due)
+        if len(due) < FEWEST_DUE:
+            return 0.0
+        steps = search_steps(cut, due, NEAR_PX)
+        radius_px = cut.camera.fx * self._wireframe.radius_m / pose.translation[2]
+        sharp = float(np.clip(SHARP_SHARE * radius_px, *SHARP_PX))
+        away = np.where(steps.found, steps.distance_px, np.inf)
+        return float(np.exp(-0.5 * (away / sharp) ** 2).mean())
+
+    def _different(self, found: list[Candidate]) -> list[Candidate]:
+        kept: list[Candidate] = []
+        for one in sorted(found, key=lambda each: -each.fitness):
+            if not any(self.same(one.pose, other.pose) for other in kept):
+                kept.append(one)
+        return kept
+
+    def _radius_px(self, cut: EdgeImage, pose: RigidTransform) -> float:
+        return float(cut.camera.fx * self._wireframe.radius_m / pose.translation[2])
+
+    def _in_range(self, pose: RigidTransform) -> bool:
+        if self._range_m is None:
+            return True
+        nearest, farthest = self._range_m
+        return bool(nearest / RANGE_SLACK < pose.translation[2] < farthest * RANGE_SLACK)
+
+    def _is_symmetry(self, turn: Floats) -> bool:
+        return any(np.trace(turn @ own.T) > 2.99 for own in self._wireframe.symmetries)
