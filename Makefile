@@ -6,6 +6,7 @@ ORACLE := .venv-oracle
 JUDGES := .venv-judges
 KINEMATICS := .venv-kinematics
 BROWSER := .venv-browser
+CLUSTER := .venv-cluster
 PYTHON := $(VENV)/bin/python
 PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
@@ -16,7 +17,7 @@ unexport PYTHONPATH PYTHONHOME
 unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/$(VENV)/pycache
 
-.PHONY: help demo test check lint setup oracle speed grain campaign campaign-short judges kinematics browser libraries lock clean
+.PHONY: help demo test check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test libraries lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -31,9 +32,10 @@ help:
 	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
 	@echo "make browser  open a report in Chromium (from the system) and use it, in $(BROWSER)"
+	@echo "make cluster-test  through a real SLURM of two nodes here (from the system) and Dask, in $(CLUSTER)"
 	@echo "make libraries  build the report's JavaScript libraries anew from npm"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
-	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS), $(BROWSER) and caches; what was rendered under out/ stays"
+	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS), $(BROWSER), $(CLUSTER) and caches; what was rendered under out/ stays"
 
 demo: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
@@ -114,6 +116,12 @@ browser: $(DEV)
 	@scripts/make_beside.sh $(BROWSER) requirements-browser.lock "a driver of browsers, 50 MB"
 	$(BROWSER)/bin/python -m pytest tests/browser
 
+cluster-test: $(DEV)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	@scripts/ensure_slurm.sh
+	@scripts/make_beside.sh $(CLUSTER) requirements-cluster.lock "a Dask scheduler and workers, 20 MB"
+	$(CLUSTER)/bin/python -m pytest tests/cluster
+
 libraries:
 	@scripts/explorer_libraries/build.sh
 
@@ -121,5 +129,5 @@ lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) $(BROWSER) .venv-lock build *.egg-info .hypothesis .*_cache
+	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) $(BROWSER) $(CLUSTER) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

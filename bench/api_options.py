@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
+
+if TYPE_CHECKING:
+    from bench.runners.chunks import Chunk
 
 
 class RenderOptions(TypedDict, total=False):
@@ -29,6 +32,7 @@ class DatasetOptions(TypedDict, total=False):
     workers: int | None
     only: tuple[int, int] | None
     variant: Literal["auto", "llvm", "cuda", "scalar"]
+    chunk: Chunk | None
 
 
 class ExportOptions(TypedDict, total=False):

@@ -26,6 +26,7 @@ from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
 from bench.random_dataset.verb import Dataset
+from bench.runners.cancel_verb import Cancel
 from bench.scoring.verb import Score
 from bench.status.verb import Status
 from bench.store.verb import Store
@@ -53,6 +54,7 @@ VERBS: dict[str, type[Any]] = {
     "show": verbs.Show,
     "inspect": Inspect,
     "export": Export,
+    "cancel": Cancel,
     "status": Status,
     "store": Store,
     "new": New,

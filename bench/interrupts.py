@@ -41,6 +41,7 @@ WHAT_IS_KEPT = {
     "export": GOES_ON,
     "inspect": "each file is as it was before, or new and whole",
     "show": "the picture is as it was before, or new and whole",
+    "cancel": "what the jobs have done is whole and kept",
     "store": "every entry that was not deleted is whole",
     "status": "nothing was changed",
     "list": "nothing was changed",

@@ -52,6 +52,10 @@ class StorageError(RvbenchError):
     """A disk that is full or cannot be written."""
 
 
+class RunnerError(RvbenchError):
+    """A cluster that is not there, does not take a job, or does not do it."""
+
+
 def cause(error: Exception) -> str:
     """Return what the system or a parser said, without the path that our message names already."""
     if isinstance(error, KeyError):

@@ -2,8 +2,9 @@
 # Pins every dependency of pyproject.toml, with hashes, for CPython 3.11 and later on any platform:
 # requirements.lock to run, requirements-dev.lock to test; and for CPython 3.11 alone, which bpy is
 # made for, requirements-oracle.lock (`make oracle`, `make speed`); and on top of the tests' own
-# requirements-judges.lock (`make judges`), requirements-kinematics.lock (`make kinematics`) and
-# requirements-browser.lock (`make browser`). Takes uv from the path, or gets it.
+# requirements-judges.lock (`make judges`), requirements-kinematics.lock (`make kinematics`),
+# requirements-browser.lock (`make browser`) and requirements-cluster.lock (`make cluster-test`).
+# Takes uv from the path, or gets it.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -17,7 +18,8 @@ if [ -z "$uv" ]; then
 fi
 
 trap 'rm -f requirements.lock.part requirements-dev.lock.part requirements-oracle.lock.part \
-    requirements-judges.lock.part requirements-kinematics.lock.part requirements-browser.lock.part' EXIT
+    requirements-judges.lock.part requirements-kinematics.lock.part requirements-browser.lock.part \
+    requirements-cluster.lock.part' EXIT
 
 compile() { # OUTPUT [OPTION...]; setuptools builds the house itself, so it is pinned too
     output=$1
@@ -37,6 +39,7 @@ compile requirements-dev.lock --extra dev --constraint requirements.lock
 compile requirements-judges.lock --extra dev --group judges --constraint requirements-dev.lock
 compile requirements-kinematics.lock --extra dev --group kinematics --constraint requirements-dev.lock
 compile requirements-browser.lock --extra dev --group browser --constraint requirements-dev.lock
+compile requirements-cluster.lock --extra dev --group cluster --constraint requirements-dev.lock
 
 oracle=requirements-oracle.lock
 {

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Makes an environment of the tests' own and, beside it, packages that check us and that no user has
 # to pay for: readers of exported datasets (`make judges`), another arm's kinematics (`make
-# kinematics`), a driver of browsers (`make browser`). Usage: make_beside.sh FOLDER LOCK WHAT
+# kinematics`), a driver of browsers (`make browser`), a Dask cluster (`make cluster-test`).
+# Usage: make_beside.sh FOLDER LOCK WHAT
 set -eu
 cd "$(dirname "$0")/.."
 

@@ -109,6 +109,16 @@ def begin(out: Path, plan: Plan) -> None:
         write_text(case_path(out, part), plan.scenario(part).to_toml())
 
 
+def has_begun(out: Path, plan: Plan) -> bool:
+    """Tell whether all that ``begin`` writes is there, of a folder that was checked.
+
+    Those who render shares of one dataset at once then write none of it anew: on a network file
+    system, who reads a file that another replaces may lose it.
+    """
+    own = [out / MARK, out / INDEX_NAME, out / "truth" / "draws.csv"]
+    return all(path.is_file() for path in (*own, *(case_path(out, part) for part in plan.used)))
+
+
 def case_path(out: Path, part: Part) -> Path:
     """Return where the scenario of a part lies."""
     return out / "truth" / "cases" / f"{part.name}.toml"

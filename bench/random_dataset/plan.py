@@ -19,6 +19,7 @@ from bench.random_dataset.draws import (
 )
 from bench.random_dataset.parts import Part, parts_of, row_text
 from bench.random_dataset.spec_tables import Spec
+from bench.runners.chunks import runs_in_order
 from models.arrays import Floats
 from renders.scenario.scenario import Scenario
 
@@ -133,6 +134,21 @@ def make_plan(spec: Spec, where: Path) -> Plan:
             if len(shots) == spec.frames:
                 break
     return Plan(spec, parts, shots, refused)
+
+
+def shots_by_chunk(plan: Plan, chunks: int) -> list[list[Shot]]:
+    """Return the shots of each chunk: whole poses, and few parts each, so few scenes to build.
+
+    Parameters
+    ----------
+    plan : Plan
+    chunks : int
+    """
+    by_pose: dict[tuple[int, int], list[Shot]] = {}
+    for shot in plan.shots:
+        by_pose.setdefault((shot.part, shot.pose_number), []).append(shot)
+    cut = runs_in_order([by_pose[pose] for pose in sorted(by_pose)], chunks)
+    return [[shot for pose in poses for shot in pose] for poses in cut]
 
 
 def part_of_pose(spec: Spec, parts: int, number: int) -> int:

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
+from bench.runners.arguments import typed_arguments
+from bench.runners.chunks import read_chunk
+from bench.runners.options import (
+    NAMES,
+    ChunkText,
+    Jobs,
+    RunnerName,
+    RunnerRequest,
+    Sbatch,
+    SchedulerAddress,
+    runner_request,
+)
 from bench.verbs import DONE, OptionalCount
+from models.errors import ScenarioError
 
 SpecFile = Annotated[Path, arg(metavar="SPEC.toml")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -20,6 +33,7 @@ class Dataset:
 
         rvbench new dataset mine
         rvbench dataset mine.toml --out out/mine
+        rvbench dataset mine.toml --out out/mine --runner slurm --jobs 40 --sbatch time=2:00:00
         rvbench export out/mine --as coco --out out/mine-coco
 
     SPEC.toml names spacecraft and cameras, and says from where to where all is drawn; a start file
@@ -34,6 +48,10 @@ class Dataset:
 
     Frame number n is the same, to the bit, whatever was rendered before it. Stop it anywhere: the
     same command goes on. Another specification in the same DIR is refused, with what differs.
+
+    With --runner slurm or dask, jobs on other machines render into DIR, which they must see, with
+    the variant that this machine has. Stop it and the jobs of slurm go on; the same command waits
+    for them again, `rvbench cancel DIR` ends them. docs/clusters.md tells more.
     """
 
     spec: Positional[SpecFile]
@@ -46,17 +64,62 @@ class Dataset:
     """render these frames now, and others another time, or on another machine"""
     variant: Literal["auto", "llvm", "cuda", "scalar"] = "auto"
     """how Mitsuba computes; auto takes the fastest that renders here"""
+    runner: RunnerName = "local"
+    jobs: Jobs = None
+    sbatch: Sbatch = ()
+    scheduler: SchedulerAddress = None
+    chunk: ChunkText = None
 
     def run(self) -> int:
-        """Make it, and say what came of it."""
+        """Make it, and say what came of it.
+
+        Raises
+        ------
+        ScenarioError
+            If options do not go together.
+        """
         from bench import api
 
-        result = api.dataset(
-            self.spec, self.out, workers=self.workers, only=self.only, variant=self.variant
+        chunk = None if self.chunk is None else read_chunk(self.chunk)
+        runner = runner_request(
+            self.runner, self.jobs, self.workers, self.sbatch, self.scheduler, self.chunk
         )
+        if runner is not None:
+            self._have_done(runner)
+        result = api.dataset(
+            self.spec,
+            self.out,
+            workers=self.workers,
+            only=self.only,
+            variant=self.variant,
+            chunk=chunk,
+        )
+        if chunk is not None:
+            print(f"chunk {chunk}: done, into {self.out}")
+            return DONE
         for folder in result.folders:
             print(f"dataset: {folder}")
         if result.left:
             print(f"left: {result.left} frames; the same command renders them")
         print(f"card: {(self.out / 'README.md').resolve()}")
         return DONE
+
+    def _have_done(self, runner: RunnerRequest) -> None:
+        """Have what is missing rendered on a cluster."""
+        from bench.random_dataset.run import DatasetRequest
+        from bench.random_dataset.shared_frames import frames_work
+        from bench.runners.cluster_run import have_done
+        from models.at_work import at_work
+        from models.plain_console import plain_console
+        from renders.variant.choice import choose_variant, short_name
+
+        if self.only is not None:
+            raise ScenarioError(
+                f"expected no --only with --runner {self.runner}, which shares all that is missing"
+            )
+        variant = short_name(choose_variant(self.variant))  # frames of one dataset are of one kind
+        shared = replace(self, out=self.out.absolute(), variant=variant, workers=runner.workers)
+        request = DatasetRequest(self.spec, self.out, variant=variant)
+        work = frames_work(request, runner, typed_arguments("dataset", shared, NAMES))
+        with at_work(self.out, "dataset"):
+            have_done(runner, work, plain_console(stderr=True))

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import import_module
 
 from rich.console import Console
 
+from bench.runners.chunks import Chunk
+from bench.runners.options import RunnerRequest
 from bench.suites.folder import begin
 from bench.suites.request import SuiteFiles, SuiteRequest
+from models.at_work import at_work
 from models.errors import ScenarioError
 
 RunSuite = Callable[[SuiteRequest, Console], SuiteFiles]
@@ -31,8 +35,8 @@ TITLES = {
 }
 
 
-def suite_by_name(name: str) -> RunSuite:
-    """Return what runs a suite, in a folder that is new, empty or its own.
+def suite_by_name(name: str) -> Suite:
+    """Return a suite.
 
     Raises
     ------
@@ -43,10 +47,59 @@ def suite_by_name(name: str) -> RunSuite:
         near = difflib.get_close_matches(name, SUITES, n=1)
         hint = f"; perhaps you meant {near[0]}" if near else ""
         raise ScenarioError(f"expected a suite among {', '.join(SUITES)}, got {name!r}{hint}")
-    found: RunSuite = import_module(SUITES[name]).run_suite
+    return Suite(name)
 
-    def run_in_own_folder(request: SuiteRequest, console: Console) -> SuiteFiles:
-        begin(request.out, name)
+
+@dataclass(frozen=True)
+class Suite:
+    """A suite, in a folder that is new, empty or its own.
+
+    Attributes
+    ----------
+    name : str
+    """
+
+    name: str
+
+    def run(self, request: SuiteRequest, console: Console) -> SuiteFiles:
+        """Do what is missing here, and write the results."""
+        begin(request.out, self.name)
+        found: RunSuite = import_module(SUITES[self.name]).run_suite
         return found(request, console)
 
-    return run_in_own_folder
+    def do_share(self, request: SuiteRequest, chunk: Chunk, console: Console) -> int:
+        """Do the units of a chunk; return how many were done now.
+
+        Parameters
+        ----------
+        request : SuiteRequest
+        chunk : Chunk
+        console : Console
+            For progress.
+        """
+        from bench.suites.shared_units import do_share
+
+        begin(request.out, self.name)
+        return do_share(SUITES[self.name], request, chunk, console)
+
+    def have_done(
+        self, request: SuiteRequest, runner: RunnerRequest, arguments: list[str], console: Console
+    ) -> None:
+        """Have the missing units done on a cluster.
+
+        Parameters
+        ----------
+        request : SuiteRequest
+        runner : RunnerRequest
+        arguments : list of str
+            What one types for it after ``rvbench``.
+        console : Console
+            For progress.
+        """
+        from bench.runners.cluster_run import have_done
+        from bench.suites.shared_units import suite_work
+
+        begin(request.out, self.name)
+        work = suite_work(SUITES[self.name], request, runner, arguments)
+        with at_work(request.out / "units", "suite"):
+            have_done(runner, work, console)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from bench.runners.chunks import Chunk
 from models.errors import ScenarioError
 
 SIZES = (
@@ -39,6 +40,8 @@ class SuiteRequest:
         Where rendered light is kept.
     store_budget_gb : float, optional
     seed : int
+    chunk : Chunk, optional
+        Do this share of the units, and leave the results to who has them all.
     """
 
     name: str
@@ -56,6 +59,7 @@ class SuiteRequest:
     store: Path | None = None
     store_budget_gb: float | None = None
     seed: int = 0
+    chunk: Chunk | None = None
 
     def sizes(self, *own: str) -> dict[str, Any]:
         """Return the sizes that were typed.

@@ -69,7 +69,11 @@ class Pace:
 
 
 def do_units(
-    units: Sequence[WorkUnit], folder: Path, workers: int, console: Console | None = None
+    units: Sequence[WorkUnit],
+    folder: Path,
+    workers: int,
+    console: Console | None = None,
+    asked: Sequence[WorkUnit] | None = None,
 ) -> int:
     """Do every unit that is not done.
 
@@ -85,6 +89,8 @@ def do_units(
         Processes; with one, the work is done in this process.
     console : Console, optional
         Where progress goes; stderr unless given.
+    asked : sequence of WorkUnit, optional
+        All units that were asked for, where these are a share of them.
 
     Returns
     -------
@@ -105,7 +111,9 @@ def do_units(
     if not missing:
         return 0
     missing = one_of_each_kind_first(missing)
-    write_text(folder / ASKED_NAME, json.dumps({"asked": [unit.name for unit in units]}) + "\n")
+    write_text(
+        folder / ASKED_NAME, json.dumps({"asked": [each.name for each in asked or units]}) + "\n"
+    )
     console.print(
         f"{len(units) - len(missing)} of {len(units)} units are done already; {workers} "
         f"worker{'s' if workers > 1 else ''}, left: {told(pace.left_s)}",

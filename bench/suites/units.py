@@ -12,7 +12,7 @@ import io
 import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -97,9 +97,14 @@ class WorkUnit:
             "task": asdict(self.task),
             "work": f"{self.work.__module__}.{self.work.__qualname__}",
             "code": code_fingerprint(self.work.__module__, *self.modules),
-            "libraries": {name: version(name) for name in LIBRARIES},
+            "libraries": _library_versions(),
         }
         return hashlib.sha256(json.dumps(shaped, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _library_versions() -> dict[str, str]:
+    return {name: version(name) for name in LIBRARIES}
 
 
 def outcome_path(folder: Path, unit: WorkUnit) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +11,16 @@ from rich import box
 from rich.table import Table
 from tyro.conf import Positional, arg
 
+from bench.runners.arguments import typed_arguments
+from bench.runners.options import (
+    NAMES,
+    ChunkText,
+    Jobs,
+    RunnerName,
+    Sbatch,
+    SchedulerAddress,
+    runner_request,
+)
 from bench.verbs import DONE, OptionalCount, OptionalFolder, OptionalNumber
 from models.plain_console import plain_console
 from models.reading.options import check_option
@@ -25,11 +35,16 @@ class Suite:
         rvbench suite pesce2019 --quick --out out/try
         rvbench suite pesce2019 --out out/pesce --workers 8
         rvbench suite pesce2019 --parts table6 vinag --runs 10 --out out/some
+        rvbench suite pesce2019 --runner slurm --jobs 40 --sbatch time=2:00:00 --out out/pesce
 
     Runs are spread over the cores and kept one by one: stop it anywhere, and the same command goes
     on from there. Neither the number of workers nor a stop in between changes a bit of
-    DIR/suite.json but the times in it. DIR/suite.html shows tables and figures, and what each
-    number means.
+    DIR/suite.json but the times in it, nor does the runner. DIR/suite.html shows tables and
+    figures, and what each number means.
+
+    With --runner slurm or dask, jobs on other machines do the units into DIR, which they must see;
+    this command waits for them and writes the results. Stop it and the jobs of slurm go on; the
+    same command waits for them again, `rvbench cancel DIR` ends them. docs/clusters.md tells more.
 
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
@@ -73,6 +88,11 @@ class Suite:
     """what that may take; the longest unused goes first (20, else $RVBENCH_STORE_BUDGET_GB)"""
     seed: Annotated[int, arg(metavar="N")] = 0
     """seed of all draws"""
+    runner: RunnerName = "local"
+    jobs: Jobs = None
+    sbatch: Sbatch = ()
+    scheduler: SchedulerAddress = None
+    chunk: ChunkText = None
 
     def run(self) -> int:
         """Run what is missing, and say what came of it.
@@ -82,9 +102,13 @@ class Suite:
         ScenarioError
             If there is to be no worker, or the suite or an option is none.
         """
+        from bench.runners.chunks import read_chunk
         from bench.suites.catalogue import suite_by_name
         from bench.suites.request import SuiteRequest
 
+        runner = runner_request(
+            self.runner, self.jobs, self.workers, self.sbatch, self.scheduler, self.chunk
+        )
         workers = len(os.sched_getaffinity(0)) if self.workers is None else self.workers
         check_option("--workers", workers, 1, MOST_WORKERS, whole=True)
         request = SuiteRequest(
@@ -103,8 +127,18 @@ class Suite:
             store=self.store,
             store_budget_gb=self.store_budget_gb,
             seed=self.seed,
+            chunk=None if self.chunk is None else read_chunk(self.chunk),
         )
-        files = suite_by_name(self.name)(request, plain_console(stderr=True))
+        console = plain_console(stderr=True)
+        suite = suite_by_name(self.name)
+        if request.chunk is not None:
+            done = suite.do_share(request, request.chunk, console)
+            print(f"chunk {request.chunk}: {done} units done now")
+            return DONE
+        if runner is not None:
+            shared = replace(self, out=request.out, workers=runner.workers)
+            suite.have_done(request, runner, typed_arguments("suite", shared, NAMES), console)
+        files = suite.run(request, console)
         _print_summary(files.summary)
         print(f"score: {files.score}")
         print(f"page:  {files.page.resolve()}")

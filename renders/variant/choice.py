@@ -16,12 +16,15 @@ import tempfile
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Literal
 
 from models.errors import VariantError
 from renders.variant import probe_cache
 
 VARIANTS = {"cuda": "cuda_ad_rgb", "llvm": "llvm_ad_rgb", "scalar": "scalar_rgb"}
 """The variants of the house by short name, the fastest first."""
+
+SHORT_NAMES: tuple[Literal["cuda", "llvm", "scalar"], ...] = ("cuda", "llvm", "scalar")
 
 PROBE_PROGRAM = Path(__file__).with_name("probe_program.py")
 TIME_LIMIT_S = 120.0  # the first kernel of a loaded machine, or OptiX compiling its own
@@ -183,6 +186,18 @@ def full_name(variant: str) -> str:
             f"(or {', '.join(VARIANTS.values())}), got {variant!r}"
         )
     return name
+
+
+def short_name(variant: str) -> Literal["cuda", "llvm", "scalar"]:
+    """Return ``llvm`` for ``llvm_ad_rgb``, and so on.
+
+    Raises
+    ------
+    VariantError
+        If it is none of the house's variants.
+    """
+    name = full_name(variant)
+    return next(short for short in SHORT_NAMES if VARIANTS[short] == name)
 
 
 def remedy(result: ProbeResult) -> str:

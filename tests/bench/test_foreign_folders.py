@@ -172,7 +172,7 @@ def test_a_finished_suite_of_before_is_ours(tmp_path):
 def test_every_suite_minds_its_folder(theirs):
     request = SuiteRequest("pesce2019", theirs, 1, runs=0)
     with pytest.raises(DatasetError, match="what rvbench did not make"):
-        suite_by_name("pesce2019")(request, Console(stderr=True))
+        suite_by_name("pesce2019").run(request, Console(stderr=True))
     new = SuiteRequest("pesce2019", theirs.parent / "new", 1, runs=0)
     with pytest.raises(ScenarioError, match="--runs"):
-        suite_by_name("pesce2019")(new, Console(stderr=True))
+        suite_by_name("pesce2019").run(new, Console(stderr=True))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.suites.request import SuiteRequest
 from bench.suites.units import Outcome, WorkUnit
 
 
@@ -39,3 +40,8 @@ def draw_units(count: int, wait_s: float = 0.0) -> list[WorkUnit]:
         )
         for seed in range(count)
     ]
+
+
+def units_of(request: SuiteRequest) -> list[WorkUnit]:
+    """Return the units of a suite that draws, as suites' modules do."""
+    return draw_units(request.runs or 0)

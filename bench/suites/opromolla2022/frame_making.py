@@ -149,6 +149,7 @@ class FlightFrames:
         budget_bytes: float | None,
         variant: Literal["auto", "llvm", "cuda", "scalar"],
         console: Console,
+        threads: int | None = None,
     ) -> int:
         """Render what is missing; return how many frames that were.
 
@@ -162,6 +163,8 @@ class FlightFrames:
             auto, llvm, cuda or scalar.
         console : Console
             For progress.
+        threads : int, optional
+            Cores to use; all unless given.
 
         Raises
         ------
@@ -170,13 +173,19 @@ class FlightFrames:
         """
         left = self.left
         if left:
-            _Maker(self, store, budget_bytes, choose_variant(variant)).make(left, console)
+            chosen = choose_variant(variant)
+            _Maker(self, store, budget_bytes, chosen, threads).make(left, console)
         return len(left)
 
 
 class _Maker:
     def __init__(
-        self, own: FlightFrames, store: Path | None, budget_bytes: float | None, variant: str
+        self,
+        own: FlightFrames,
+        store: Path | None,
+        budget_bytes: float | None,
+        variant: str,
+        threads: int | None,
     ) -> None:
         self.own = own
         scenario = under(own.scenario, own.suns[0])
@@ -193,7 +202,7 @@ class _Maker:
         colours = 3 if world.sensor.in_colour else 1
         most = suns_in_a_batch(world.camera, colours * len(world.bands), MEMORY_GB)
         self.groups_in_a_pass = colours * most
-        start_renderer(variant, None)
+        start_renderer(variant, threads)
 
     def make(self, left: Sequence[int], console: Console) -> None:
         lines = LinePace(len(left))

@@ -40,6 +40,31 @@ def plan_of(request: SuiteRequest) -> Plan:
     return Plan(sizes, request.out, request.parts or PARTS)
 
 
+def units_of(request: SuiteRequest) -> list[WorkUnit]:
+    """Return the units of what a request asks for."""
+    return plan_of(request).units
+
+
+def prepare(request: SuiteRequest, units: Sequence[WorkUnit], console: Console) -> None:
+    """Render the frames that some units, which are not done, fly over.
+
+    Parameters
+    ----------
+    request : SuiteRequest
+    units : sequence of WorkUnit
+    console : Console
+        For progress.
+
+    Raises
+    ------
+    ScenarioError, VariantError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    budget = budget_bytes(request.store_budget_gb)
+    for flight in _flown_by(plan_of(request), units):
+        flight.make(request.store, budget, "auto", console, request.workers)
+
+
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
     """Do what is missing and write ``suite.json`` and ``suite.html``.
 
@@ -71,8 +96,7 @@ def run_plan(
     """
     folder = plan.out / "units"
     left = [unit for unit in plan.units if not is_done(folder, unit)]
-    to_be_flown = {unit.reads for unit in left}  # what is flown needs no frames any more
-    flights = [flight for flight in plan.flights if str(flight.folder) in to_be_flown]
+    flights = _flown_by(plan, left)  # what is flown needs no frames any more
     _announce(plan, flights, left, workers, console)
     for flight in flights:
         flight.make(store, budget, "auto", console)
@@ -83,6 +107,11 @@ def run_plan(
     score = write_document(plan.out, "opromolla2022", settings, parts=rounded(asdict(results)))
     page = write_suite_page(plan.out / "suite.html", outcomes, results, settings)
     return SuiteFiles(score, page, _summary(results.sequences))
+
+
+def _flown_by(plan: Plan, units: Sequence[WorkUnit]) -> list[FlightFrames]:
+    folders = {unit.reads for unit in units}
+    return [flight for flight in plan.flights if str(flight.folder) in folders]
 
 
 def _announce(

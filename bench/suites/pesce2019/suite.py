@@ -20,7 +20,7 @@ from bench.suites.pesce2019.results import Outcomes
 from bench.suites.pesce2019.suite_page import write_suite_page
 from bench.suites.request import SIZES, SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
-from bench.suites.units import LIBRARIES
+from bench.suites.units import LIBRARIES, WorkUnit
 
 NEVER_THE_SAME = ("seconds", "frame_ms")
 
@@ -35,6 +35,11 @@ def plan_of(request: SuiteRequest) -> Plan:
     """
     own, asked = QUICK if request.quick else Sizes(), request.sizes(*SIZES)
     return Plan(replace(own, seed=request.seed, **asked), request.parts or PARTS)
+
+
+def units_of(request: SuiteRequest) -> list[WorkUnit]:
+    """Return the units of what a request asks for."""
+    return plan_of(request).units()
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:

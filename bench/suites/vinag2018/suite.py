@@ -14,7 +14,7 @@ from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
-from bench.suites.units import LIBRARIES
+from bench.suites.units import LIBRARIES, WorkUnit
 from bench.suites.vinag2018.cases import CASES, LEO
 from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.vinag2018.page import write_suite_page
@@ -36,6 +36,11 @@ def plan_of(request: SuiteRequest) -> Plan:
     asked = request.sizes("runs", "seeds", "acquisitions", "duration_s")
     sizes = replace(QUICK if request.quick else Sizes(), seed=request.seed, **asked)
     return Plan(sizes, request.parts or PARTS)
+
+
+def units_of(request: SuiteRequest) -> list[WorkUnit]:
+    """Return the units of what a request asks for."""
+    return plan_of(request).units()
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:

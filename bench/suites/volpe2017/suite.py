@@ -14,7 +14,7 @@ from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
-from bench.suites.units import LIBRARIES
+from bench.suites.units import LIBRARIES, WorkUnit
 from bench.suites.volpe2017.cases import CAMERA
 from bench.suites.volpe2017.plan import PARTS, QUICK, Plan, Sizes
 from bench.suites.volpe2017.results import Outcomes, Results, StudiedCase
@@ -34,6 +34,11 @@ def plan_of(request: SuiteRequest) -> Plan:
     own = QUICK if request.quick else Sizes()
     asked = request.sizes("runs", "seeds", "duration_s", "paper_runs")
     return Plan(replace(own, seed=request.seed, **asked), request.parts or PARTS)
+
+
+def units_of(request: SuiteRequest) -> list[WorkUnit]:
+    """Return the units of what a request asks for."""
+    return plan_of(request).units()
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:

@@ -16,6 +16,9 @@ import tomli_w
 from bench import api
 from bench.cli import main
 from bench.random_dataset.folder import datasets_within
+from bench.random_dataset.run import DatasetRequest
+from bench.random_dataset.shared_frames import frames_work
+from bench.runners.options import RunnerRequest
 from models.dataset.dataset import open_dataset
 from models.dataset.split_file import read_splits
 from models.errors import DatasetError, ScenarioError, UnreadableError
@@ -123,6 +126,31 @@ def test_a_frame_alone_is_that_of_the_whole(whole: Path, spec: Path, tmp_path: P
     assert api.dataset(spec, out, workers=1, only=(8, 11)).left == 7
     assert api.dataset(spec, out, workers=1).left == 0
     assert files(out) == files(whole)
+
+
+def test_chunks_in_any_order_are_the_whole(whole: Path, spec: Path, tmp_path: Path) -> None:
+    """Each renders whole poses of its own; what is made of all is left to the command alone."""
+    out = tmp_path / "out"
+    for number in (1, 0):
+        assert main(["dataset", str(spec), "--out", str(out), "--chunk", f"{number}/2"]) == 0
+        assert len(list(out.glob("*/frames/*.png"))) == (4, 12)[1 - number]
+        assert not (out / "README.md").exists()
+    assert api.dataset(spec, out, workers=1).left == 0
+    assert files(out) == files(whole)
+
+
+def test_what_is_missing_on_a_cluster_is_counted_by_chunk(
+    whole: Path, spec: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    gone = sorted(out.glob("*/frames/*.png"))[0]
+    gone.unlink()
+    work = frames_work(DatasetRequest(spec, out), RunnerRequest("slurm", 3), ["dataset"])
+    assert work.pieces == 12
+    assert len(work.missing()) == 1
+    shutil.copy(whole / gone.relative_to(out), gone)
+    assert work.missing() == {}
 
 
 def test_another_specification_is_refused_with_what_differs(
