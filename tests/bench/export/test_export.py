@@ -190,7 +190,7 @@ def test_estimates_and_runs_leave_as_tables(pairs, tmp_path):
         (["DATA"], "expected --as with the datasets"),
         (["DATA", "--as", "coco", "--split", "0.5", "0.4", "0.3"], "shares that add up to 1"),
         (["DATA", "--as", "coco", "--split-block", "0"], "expected --split-block from 1"),
-        (["DATA", "--as", "coco", "--licence", "a\nb"], "expected --licence as printable"),
+        (["DATA", "--as", "coco", "--licence", "a\nb"], "without control characters"),
         (["nowhere", "--as", "coco"], "expected a dataset in nowhere"),
     ],
 )

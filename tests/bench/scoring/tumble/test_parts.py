@@ -185,7 +185,8 @@ def test_the_report_holds_everything(written):
     (told,) = re.findall(r'id="explorer-data">(.*?)</script>', text, re.DOTALL)
     explored = json.loads(told)
     assert [plot["title"] for plot in explored["plots"]][-1] == "landmarks"
-    assert len(explored["image"]["pictures"]) == FRAMES
+    (image,) = explored["image"]["streams"]
+    assert len(image["pictures"]) == FRAMES
     assert all(layers[0]["sign"] == "lines" for layers in explored["true_layers"])
     assert explored["pipelines"]["best"]["layers"][1][-1]["name"] == "detections"
 
