@@ -17,11 +17,12 @@ unexport PYTHONPATH PYTHONHOME
 unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/$(VENV)/pycache
 
-.PHONY: help demo test check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test libraries lock clean
+.PHONY: help demo test slow check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test libraries lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
 	@echo "make test    run the tests"
+	@echo "make slow    run the tests that take long and are not part of make test"
 	@echo "make check   run the tests, ruff, mypy and the import contracts"
 	@echo "make setup   only set up what the others need, in $(VENV)"
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
@@ -44,6 +45,10 @@ demo: $(RUNTIME)
 test: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)
 	$(PYTHON) -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadfile
+
+slow: $(DEV)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	$(PYTHON) -m pytest -m slow --numprocesses auto --maxprocesses 4 --dist loadfile
 
 check: lint test
 

@@ -7,6 +7,8 @@ import json
 import shutil
 import signal
 
+import pytest
+
 from bench.cli import main
 from models.atomic_file import MACHINE
 from tests.support.whole_runs import (
@@ -20,6 +22,7 @@ from tests.support.whole_runs import (
 )
 
 
+@pytest.mark.slow
 def test_a_run_killed_again_and_again_ends_as_if_never_killed(whole_run, tmp_path):
     out, store = tmp_path / "out", tmp_path / "store"
     frames = out / "frames"
@@ -75,6 +78,7 @@ def test_two_runs_at_once_on_one_store_do_no_harm(whole_run, tmp_path):
     assert not scratch_files(tmp_path)
 
 
+@pytest.mark.slow
 def test_light_that_has_left_the_store_comes_back_for_more_runs(whole_run, tmp_path):
     """Frames stay; only the light that is gone or damaged is rendered, and to the same bits."""
     out, store = tmp_path / "out", tmp_path / "store"

@@ -66,6 +66,8 @@ def test_a_frame_holds_readings_and_times_and_no_truth() -> None:
             "chaser_sigma_m_s",
             "range_m",
             "inertia_kg_m2",
+            "sun_dir_in_inertial",
+            "sun_sigma_deg",
         },
     }
 

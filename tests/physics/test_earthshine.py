@@ -136,6 +136,7 @@ def glossy(first_seed: int) -> Radiance:
     )
 
 
+@pytest.mark.slow
 def test_scalar_and_jit_show_the_same_earthshine(tmp_path: Path) -> None:
     needs_jit()
     done = run_python(SCALAR_PROGRAM, tmp_path)

@@ -35,6 +35,7 @@ def test_its_images_and_tables_leave(kind, seen, tmp_path):
     assert "# beacon" in (out / "README.md").read_text()
 
 
+@pytest.mark.slow
 def test_colour_images_leave_in_colours(tumble, tmp_path):
     """Of a chain to come: the same dataset, its images with three channels."""
     import shutil

@@ -133,6 +133,7 @@ def test_options_that_cannot_be_are_refused(wrong, told):
         options_for("bset")
 
 
+@pytest.mark.slow
 def test_a_shape_turned_inside_out_is_mended():
     """Run 1 turns about the boresight at first, goes the mirrored way, and must come back."""
     own = Case("flip", "flip", (0.02, 0.02, 1.0), duration_s=400.0, step_s=2.0)

@@ -61,6 +61,7 @@ def sealed(studio: Studio, exposure: Exposure) -> ExposureTruth:
     return record
 
 
+@pytest.mark.slow
 def test_it_is_the_same_in_any_order_and_company(armed: World, tmp_path: Path) -> None:
     exposures = [
         exposure

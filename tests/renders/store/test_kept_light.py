@@ -106,6 +106,7 @@ def size(dataset: TinyDataset) -> int:
 # The frames are the same whatever is kept
 
 
+@pytest.mark.slow
 def test_nothing_is_kept_and_the_frames_are_the_same(
     again: Again, rendered_once: TinyDataset
 ) -> None:

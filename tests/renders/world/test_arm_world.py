@@ -226,6 +226,7 @@ def test_an_arm_goes_with_no_tumble():
         check_scenario(Scenario(**{**table, "arm": {}}), "armed")
 
 
+@pytest.mark.slow
 def test_an_arm_that_touches_the_chaser_is_refused_with_a_clear_posture():
     """Its elbow folds through the chaser's wing; another posture would be clear."""
     armed = world(arm={"near_deg": [25.0, 108.0, -20.0, 101.0, 70.0, 22.0, -145.0]})

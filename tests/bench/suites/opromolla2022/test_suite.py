@@ -44,6 +44,7 @@ def flown(painted: Path, tmp_path_factory: pytest.TempPathFactory) -> Plan:
     return plan
 
 
+@pytest.mark.slow
 def test_one_worker_and_a_stop_in_between_give_the_same_bytes(flown: Plan, tmp_path: Path) -> None:
     out = tmp_path / "again"
     shutil.copytree(flown.out / "frames", out / "frames")

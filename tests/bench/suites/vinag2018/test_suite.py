@@ -39,6 +39,7 @@ def document(out) -> object:
     return without_times(json.loads((out / "suite.json").read_text()))
 
 
+@pytest.mark.slow
 def test_after_a_stop_it_writes_the_same(done, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(done, out)

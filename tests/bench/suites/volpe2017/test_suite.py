@@ -37,6 +37,7 @@ def document(out):
     return without_times(json.loads((out / "suite.json").read_text()))
 
 
+@pytest.mark.slow
 def test_after_a_stop_it_writes_the_same(done, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(done, out)

@@ -181,6 +181,7 @@ def test_markers_of_ones_own_lie_on_it(tmp_path):
     assert len(markers) == 3
 
 
+@pytest.mark.slow
 def test_thousands_of_parts_become_few(tmp_path):
     scene = trimesh.Scene()
     for k in range(1500):
