@@ -16,7 +16,7 @@ from models.arrays import Floats
 from models.motion.perturbed_orbit import Ball, PerturbedOrbit, lvlh_axes
 from models.motion.relative_state import ChaserState, RelativeState
 from models.motion.rigid_body_rotation import RigidBodyRotation
-from models.motion.tumble import CAM_FROM_LVLH, OVERTIME_S
+from models.motion.tumble import CAM_FROM_LVLH, within
 from models.pose import RigidTransform
 
 KNOT_S = 2.0  # a field of degree 36 changes along an orbit over minutes
@@ -215,9 +215,4 @@ class PerturbedTumble:
         return self.chaser.states(at)[0], self.target.states(at)[0]
 
     def _within(self, time_s: float) -> float:
-        if not -OVERTIME_S <= time_s <= self.duration_s + OVERTIME_S:
-            raise ValueError(
-                f"expected a time between 0 and {self.duration_s} s, got {time_s}: give the "
-                "tumble a longer duration"
-            )
-        return min(max(float(time_s), 0.0), self.duration_s)
+        return within(time_s, self.duration_s)

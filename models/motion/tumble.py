@@ -27,6 +27,26 @@ CAM_FROM_LVLH = RigidTransform(
 OVERTIME_S = 1e-6  # rounding of a time that was counted in frames
 
 
+def within(time_s: float, duration_s: float) -> float:
+    """Return a time within a tumble, rounded into it.
+
+    Parameters
+    ----------
+    time_s, duration_s : float, s
+
+    Raises
+    ------
+    ValueError
+        If it lies outside.
+    """
+    if not -OVERTIME_S <= time_s <= duration_s + OVERTIME_S:
+        raise ValueError(
+            f"expected a time between 0 and {duration_s} s, got {time_s}: give the "
+            "tumble a longer duration"
+        )
+    return min(max(float(time_s), 0.0), duration_s)
+
+
 @dataclass(frozen=True, eq=False)
 class Tumble:
     """The true motion of a target about a chaser; every state is a pure function of time.
@@ -144,12 +164,7 @@ class Tumble:
         return self.state(time_s).cam_from_target(cam_from_lvlh)
 
     def _within(self, time_s: float) -> float:
-        if not -OVERTIME_S <= time_s <= self.duration_s + OVERTIME_S:
-            raise ValueError(
-                f"expected a time between 0 and {self.duration_s} s, got {time_s}: give the "
-                "tumble a longer duration"
-            )
-        return min(max(float(time_s), 0.0), self.duration_s)
+        return within(time_s, self.duration_s)
 
     @cached_property
     def _translation(self) -> OdeSolution:

@@ -15,14 +15,14 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.estimate import Detections, Estimate, NamedState
-from models.frame import IMAGE, POINTS, Frame, TableReading
+from models.frame import Frame
 from models.motion.perturbed_orbit import lvlh_axes
 from models.motion.relative_state import TRANSLATION, ChaserState
 from models.pose import RigidTransform
 from pipelines.absolute.integrity import protection_levels_m
 from pipelines.absolute.pipeline import INTEGRITY, ORBIT, TURN, AbsoluteNavigation
 from pipelines.filters.camera_mount import CameraMount
-from pipelines.uncooperative.knowledge import ImageFrame, PointFrame, Seen
+from pipelines.uncooperative.knowledge import Seen, shown
 from pipelines.uncooperative.pipeline import Uncooperative
 
 RELATIVE_PROTECTION = "relative_protection_m"
@@ -101,13 +101,7 @@ class IntegratedNavigation:
             orbit.values["position_in_inertial_m"],
             orbit.values["velocity_in_inertial_m_s"],
         )
-        mount = self._mount(chaser, turn)
-        points = frame.readings.get(POINTS)
-        if isinstance(points, TableReading):
-            pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
-            return PointFrame(frame.index, frame.time_s, pixels, chaser, mount)
-        image = frame.image(IMAGE).image
-        return ImageFrame(frame.index, frame.time_s, image, chaser, mount)
+        return shown(frame, chaser, self._mount(chaser, turn))
 
     def _mount(self, chaser: ChaserState, turn: NamedState) -> CameraMount:
         """Return how the camera stands in the local frame, both as navigated.

@@ -84,11 +84,28 @@ def seen(frame: Frame) -> Seen:
         raise DatasetError(f"frame {frame.index}: expected a row of {CHASER_ORBIT}, got none")
     last = np.stack([orbit.column(name) for name in CHASER_ORBIT_COLUMNS], axis=1)[-1]
     chaser = ChaserState(float(orbit.time_s[-1]), last[:3], last[3:])
+    return shown(frame, chaser)
+
+
+def shown(frame: Frame, chaser: ChaserState, mount: CameraMount | None = None) -> Seen:
+    """Return what a frame shows to a chaser whose state is known.
+
+    Parameters
+    ----------
+    frame : Frame
+    chaser : ChaserState
+    mount : CameraMount, optional
+
+    Raises
+    ------
+    DatasetError
+        If the frame has neither points nor an image.
+    """
     points = frame.readings.get(POINTS)
     if isinstance(points, TableReading):
         pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
-        return PointFrame(frame.index, frame.time_s, pixels, chaser)
-    return ImageFrame(frame.index, frame.time_s, frame.image(IMAGE).image, chaser)
+        return PointFrame(frame.index, frame.time_s, pixels, chaser, mount)
+    return ImageFrame(frame.index, frame.time_s, frame.image(IMAGE).image, chaser, mount)
 
 
 def image_frame(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -88,23 +89,11 @@ def follow(task: ChainTask) -> Outcome:
     pipeline = _pipeline(task, onboard, Uncooperative(
         UncooperativeKnowledge.of(onboard), relative_options_for(task.variant, REGIME), start
     ))  # fmt: skip
-    wireframe = needed(onboard.wireframe, "wireframe.json", "the chain")
-    camera = needed(onboard.camera, "camera.toml", "the chain")
-    rows, seconds, since_s = [], [], float("-inf")
-    for index, now_s in enumerate(world.scenario.times_s):
-        readings: dict[str, Reading] = {
-            each.name: each.reading(index, now_s, since_s, task.run) for each in world.tables
-        }
-        pixels = points_of(
-            wireframe,
-            camera,
-            motion.cam_from_target(now_s),
-            task.noise,
-            (task.seed, task.run, index),
-        )
-        readings[POINTS] = TableReading(("u_px", "v_px"), np.full(len(pixels), now_s), pixels)
+    rows, seconds = [], []
+    for frame in corner_frames(world, task.noise, task.seed, task.run):
+        now_s = frame.time_s
         began = time.process_time()
-        said = pipeline.process(Frame(index, now_s, readings))
+        said = pipeline.process(frame)
         seconds.append(time.process_time() - began)
         error = navigation_error(said, motion.state(now_s), CAM_FROM_LVLH)
         off_m = 0.0
@@ -112,10 +101,36 @@ def follow(task: ChainTask) -> Outcome:
             at = said.states[ORBIT].values["position_in_inertial_m"]
             off_m = float(np.linalg.norm(at - motion.chaser_state(now_s).position_in_inertial))
         rows.append([now_s, *_kept(error), off_m])
-        since_s = now_s
     names = ("time_s", *KEPT, "chaser_m")
     table = np.array(rows)
     return Outcome({name: table[:, k] for k, name in enumerate(names)}, np.array(seconds))
+
+
+def corner_frames(world: World, noise: PointNoise, seed: int, run: int) -> Iterator[Frame]:
+    """Yield a world's frames: corners instead of images, beside what its sensors gave.
+
+    Parameters
+    ----------
+    world : World
+        Of a free target.
+    noise : PointNoise
+    seed, run : int
+    """
+    onboard, motion = world.onboard(run), world.absolute
+    if motion is None:
+        raise TypeError("expected a case with a chaser on an orbit, got one without")
+    wireframe = needed(onboard.wireframe, "wireframe.json", "the chain")
+    camera = needed(onboard.camera, "camera.toml", "the chain")
+    since_s = float("-inf")
+    for index, now_s in enumerate(world.scenario.times_s):
+        readings: dict[str, Reading] = {
+            each.name: each.reading(index, now_s, since_s, run) for each in world.tables
+        }
+        key = (seed, run, index)
+        pixels = points_of(wireframe, camera, motion.cam_from_target(now_s), noise, key)
+        readings[POINTS] = TableReading(("u_px", "v_px"), np.full(len(pixels), now_s), pixels)
+        yield Frame(index, now_s, readings)
+        since_s = now_s
 
 
 KEPT = (

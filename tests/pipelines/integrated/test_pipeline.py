@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.suites.pesce2019.synthetic_points import PointNoise, points_of
+from bench.suites.pesce2019.synthetic_points import PointNoise
+from bench.suites.vinag2018.chain_run import corner_frames
 from models.estimate import Estimate
 from models.frame import POINTS, Frame, TableReading
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, relative_state
@@ -42,27 +43,8 @@ def scenario(**navigation: Any) -> Scenario:
 
 
 def frames_of(world: World) -> list[Frame]:
-    """Return corners at 1 px and one false one, beside what the chaser's sensors gave."""
-    known, motion = world.onboard(0), world.absolute
-    assert motion is not None
-    assert known.wireframe is not None
-    assert known.camera is not None
-    found, since_s = [], -np.inf
-    for index, now_s in enumerate(world.scenario.times_s):
-        readings: dict[str, Any] = {
-            each.name: each.reading(index, now_s, since_s, 0) for each in world.tables
-        }
-        pixels = points_of(
-            known.wireframe,
-            known.camera,
-            motion.cam_from_target(now_s),
-            PointNoise(0.1, 1),
-            (1, 0, index),
-        )
-        readings[POINTS] = TableReading(("u_px", "v_px"), np.full(len(pixels), now_s), pixels)
-        found.append(Frame(index, now_s, readings))
-        since_s = now_s
-    return found
+    """Return corners at 0.1 px and one false one, beside what the chaser's sensors gave."""
+    return list(corner_frames(world, PointNoise(0.1, 1), 1, 0))
 
 
 def errors_m(world: World, said: list[Estimate]) -> np.ndarray:
