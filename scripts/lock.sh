@@ -3,7 +3,8 @@
 # requirements.lock to run, requirements-dev.lock to test; and for CPython 3.11 alone, which bpy is
 # made for, requirements-oracle.lock (`make oracle`, `make speed`); and on top of the tests' own
 # requirements-judges.lock (`make judges`), requirements-kinematics.lock (`make kinematics`),
-# requirements-browser.lock (`make browser`) and requirements-cluster.lock (`make cluster-test`).
+# requirements-browser.lock (`make browser`) and requirements-cluster.lock (`make cluster-test`); and
+# on top of what runs requirements-docs.lock (`make docs`).
 # Takes uv from the path, or gets it.
 set -eu
 cd "$(dirname "$0")/.."
@@ -19,7 +20,7 @@ fi
 
 trap 'rm -f requirements.lock.part requirements-dev.lock.part requirements-oracle.lock.part \
     requirements-judges.lock.part requirements-kinematics.lock.part requirements-browser.lock.part \
-    requirements-cluster.lock.part' EXIT
+    requirements-cluster.lock.part requirements-docs.lock.part' EXIT
 
 compile() { # OUTPUT [OPTION...]; setuptools builds the house itself, so it is pinned too
     output=$1
@@ -40,6 +41,7 @@ compile requirements-judges.lock --extra dev --group judges --constraint require
 compile requirements-kinematics.lock --extra dev --group kinematics --constraint requirements-dev.lock
 compile requirements-browser.lock --extra dev --group browser --constraint requirements-dev.lock
 compile requirements-cluster.lock --extra dev --group cluster --constraint requirements-dev.lock
+compile requirements-docs.lock --group docs --constraint requirements.lock
 
 oracle=requirements-oracle.lock
 {
