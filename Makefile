@@ -7,6 +7,7 @@ JUDGES := .venv-judges
 KINEMATICS := .venv-kinematics
 BROWSER := .venv-browser
 CLUSTER := .venv-cluster
+DOCS := .venv-docs
 PYTHON := $(VENV)/bin/python
 PIP := $(PYTHON) -m pip -qq --disable-pip-version-check
 RUNTIME := $(VENV)/.runtime
@@ -17,7 +18,7 @@ unexport PYTHONPATH PYTHONHOME
 unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/$(VENV)/pycache
 
-.PHONY: help demo test slow check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test libraries lock clean
+.PHONY: help demo test slow check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test docs gallery notebooks libraries lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -34,9 +35,12 @@ help:
 	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
 	@echo "make browser  open a report in Chromium (from the system) and use it, in $(BROWSER)"
 	@echo "make cluster-test  through a real SLURM of two nodes here (from the system) and Dask, in $(CLUSTER)"
+	@echo "make docs    build the documentation site into out/docs and check it, in $(DOCS)"
+	@echo "make gallery  render the site's pictures anew; ten minutes"
+	@echo "make notebooks  run the tutorials that are notebooks, in $(DOCS)"
 	@echo "make libraries  build the report's JavaScript libraries anew from npm"
 	@echo "make lock    pin the dependencies of pyproject.toml anew"
-	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS), $(BROWSER), $(CLUSTER) and caches; what was rendered under out/ stays"
+	@echo "make clean   remove $(VENV), $(ORACLE), $(JUDGES), $(KINEMATICS), $(BROWSER), $(CLUSTER), $(DOCS) and caches; what was rendered under out/ stays"
 
 demo: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
@@ -127,6 +131,28 @@ cluster-test: $(DEV)
 	@scripts/make_beside.sh $(CLUSTER) requirements-cluster.lock "a Dask scheduler and workers, 20 MB"
 	$(CLUSTER)/bin/python -m pytest tests/cluster
 
+# Sphinx refuses what leads nowhere (-W); check.py reads what it has built. Text alone: no light.
+docs: $(DOCS)/.installed
+	@rm -rf out/docs
+	$(DOCS)/bin/python -P -m sphinx -W --keep-going -q -j auto -c docs/site -d out/docs-read docs out/docs
+	@$(DOCS)/bin/python -P docs/site/check.py out/docs
+	@echo "docs: $(CURDIR)/out/docs/index.html"
+
+notebooks: $(DOCS)/.installed
+	@scripts/ensure_llvm.sh $(DOCS)/bin/python
+	PATH="$(CURDIR)/$(DOCS)/bin:$$PATH" $(DOCS)/bin/python -P docs/site/notebooks.py --run
+
+$(DOCS)/.installed: requirements-docs.lock pyproject.toml
+	@scripts/make_environment.sh $(DOCS)
+	@echo "installing requirements-docs.lock: what runs, Sphinx and its theme, a notebook's kernel"
+	@$(DOCS)/bin/python -m pip -qq --disable-pip-version-check install --no-compile --require-hashes --requirement requirements-docs.lock
+	@$(DOCS)/bin/python -m pip -qq --disable-pip-version-check install --no-deps --no-build-isolation --editable .
+	@touch $@
+
+gallery: $(RUNTIME)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	$(PYTHON) -P docs/site/gallery.py
+
 libraries:
 	@scripts/explorer_libraries/build.sh
 
@@ -134,5 +160,5 @@ lock:
 	@scripts/lock.sh
 
 clean:
-	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) $(BROWSER) $(CLUSTER) .venv-lock build *.egg-info .hypothesis .*_cache
+	rm -rf $(VENV) $(ORACLE) $(JUDGES) $(KINEMATICS) $(BROWSER) $(CLUSTER) $(DOCS) .venv-lock build *.egg-info .hypothesis .*_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -8,7 +8,7 @@ file is an ordinary EXR.
 Pixels are compressed with ZIP. On 2048 x 2048 half floats of a sunlit Maxar-1300 (16 groups, the
 mean; the time is that of one core) every EXR reader can open the smallest file of all:
 
-=========  =====  ======  ================================
+=========  ======  ======  ================================
 ZIP        2.7 MB  105 ms  a third of the raw 8.4 MB
 PXR24      2.9 MB   80 ms
 ZIPS       3.0 MB  127 ms
@@ -16,7 +16,7 @@ ZSTD       3.1 MB  110 ms  OpenEXR 3.5 alone reads it
 PIZ        3.2 MB  186 ms
 HTJ2K256   3.3 MB   42 ms  OpenEXR 3.4 and later reads it
 RLE        3.5 MB   31 ms
-=========  =====  ======  ================================
+=========  ======  ======  ================================
 
 OpenEXR lets go of the interpreter while it works, so that threads write files side by side.
 """
