@@ -140,7 +140,7 @@ docs: $(DOCS)/.installed
 
 notebooks: $(DOCS)/.installed
 	@scripts/ensure_llvm.sh $(DOCS)/bin/python
-	PATH="$(CURDIR)/$(DOCS)/bin:$$PATH" $(DOCS)/bin/python -P docs/site/notebooks.py --run
+	PATH="$(CURDIR)/$(DOCS)/bin:$$PATH" $(DOCS)/bin/python -m docs.site.notebooks --run
 
 $(DOCS)/.installed: requirements-docs.lock pyproject.toml
 	@scripts/make_environment.sh $(DOCS)
@@ -151,7 +151,7 @@ $(DOCS)/.installed: requirements-docs.lock pyproject.toml
 
 gallery: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
-	$(PYTHON) -P docs/site/gallery.py
+	$(PYTHON) -m docs.site.gallery
 
 libraries:
 	@scripts/explorer_libraries/build.sh

@@ -1,4 +1,4 @@
-"""The pages of the API, one for each part of a room, made from what lies there before each build."""
+"""The pages of the API, one for each part of a room, made before each build."""
 
 from __future__ import annotations
 

@@ -106,7 +106,9 @@ def faults_of(site: Path) -> list[str]:
                 found.append(f"{where}: leads to {link}, whose end is not there")
             elif place != path:
                 led_to.add(place)
-    found += [f"{path.relative_to(site)}: no page leads here" for path in pages if path not in led_to]
+    found += [
+        f"{path.relative_to(site)}: no page leads here" for path in pages if path not in led_to
+    ]
     return sorted({*found, *style_faults(site)})
 
 
@@ -137,14 +139,19 @@ def main() -> int:
     """Check the site named on the command line."""
     site = Path(sys.argv[1] if len(sys.argv) > 1 else "out/docs")
     if not (site / "index.html").is_file():
-        print(f"expected a site with an index.html in {site}; `make docs` builds it", file=sys.stderr)
+        print(
+            f"expected a site with an index.html in {site}; `make docs` builds it", file=sys.stderr
+        )
         return 2
     faults = faults_of(site)
     for fault in faults:
         print(fault)
     count = len(list(site.rglob("*.html")))
-    print(f"{count} pages, {len(faults) or 'no'} faults: no dead link, orphan or request to elsewhere"
-          if not faults else f"{count} pages, {len(faults)} faults")
+    print(
+        f"{count} pages, {len(faults) or 'no'} faults: no dead link, orphan or request to elsewhere"
+        if not faults
+        else f"{count} pages, {len(faults)} faults"
+    )
     return 1 if faults else 0
 
 

@@ -1,7 +1,7 @@
 """Docstrings as they are written in the house, made ready for Sphinx.
 
-They are prose to be read in an editor: an indented paragraph is a formula or a command, and a bar is
-a bar. A type is called by the name by which its module knows it, so that links are looked up there.
+They are prose to be read in an editor: an indented paragraph is a formula or a command, and a bar
+is a bar. A type is called by the name by which its module knows it; links are looked up there.
 """
 
 from __future__ import annotations

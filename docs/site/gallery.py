@@ -1,6 +1,6 @@
 """Renders the gallery anew: runs the blocks of ``docs/gallery.md`` and puts their pictures there.
 
-    python docs/site/gallery.py [PICTURE ...]
+    python -m docs.site.gallery [PICTURE ...]
 
 Each picture is of the first file named after it that a block made: ``NAME.png``, or what the text
 between two headings names in backquotes. ``make gallery`` runs this.
@@ -14,8 +14,6 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from docs.site.page_blocks import blocks_of, do_block
 

@@ -28,7 +28,7 @@ def dotted(text: str) -> str:
 def lead_there(app: Sphinx, doctree: nodes.document, page: str) -> None:
     """Make links of the names of a page."""
     python = app.env.domains["py"]
-    known = {**{name: None for name in python.data["modules"]}, **python.data["objects"]}
+    known = {**dict.fromkeys(python.data["modules"]), **python.data["objects"]}
     for literal in list(doctree.findall(nodes.literal)):
         name = dotted(literal.astext())
         if name not in known or isinstance(literal.parent, nodes.reference | nodes.title):
@@ -51,5 +51,3 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_lexer("jsonl", JsonLexer)
     app.add_lexer("csv", TextLexer)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
-
-

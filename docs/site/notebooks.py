@@ -1,7 +1,7 @@
 """Two tutorials as notebooks, made of the same text, and run headless.
 
-    python docs/site/notebooks.py         # write docs/notebooks/*.ipynb anew
-    python docs/site/notebooks.py --run   # run each in an empty folder, as `make notebooks` does
+python -m docs.site.notebooks         # write docs/notebooks/*.ipynb anew
+python -m docs.site.notebooks --run   # run each in an empty folder, as `make notebooks` does
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-HOUSE = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(HOUSE))
-
 from docs.site.page_blocks import FENCE
+
+HOUSE = Path(__file__).resolve().parents[2]
 
 DOCS = HOUSE / "docs"
 NAMES = ("export-training-set", "own-spacecraft")
@@ -86,7 +85,10 @@ def run(path: Path) -> None:
             each.source += "\nassert _exit_code == 0, 'the command failed'"
     with tempfile.TemporaryDirectory() as folder:
         NotebookClient(
-            notebook, timeout=HANGS_S, kernel_name="python3", resources={"metadata": {"path": folder}}
+            notebook,
+            timeout=HANGS_S,
+            kernel_name="python3",
+            resources={"metadata": {"path": folder}},
         ).execute()
     print(f"{path.name}: {len(notebook.cells)} cells ran", flush=True)
 

@@ -17,6 +17,7 @@ import subprocess
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, ClassVar
 
 from docutils import nodes
 from docutils.parsers.rst import directives
@@ -66,7 +67,10 @@ class Recorded(SphinxDirective):
     """A table of another file of the house, with its day and its machine."""
 
     required_arguments = 1
-    option_spec = {"table": directives.unchanged_required, "machine": directives.unchanged}
+    option_spec: ClassVar[Any] = {
+        "table": directives.unchanged_required,
+        "machine": directives.unchanged,
+    }
 
     def run(self) -> Sequence[nodes.Node]:
         """Show it."""

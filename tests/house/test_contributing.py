@@ -30,7 +30,7 @@ README = rows("README.md", "## To add")
 HERE = rows("CONTRIBUTING.md", "# To add something")
 KINDS = {
     "a spacecraft", "a pipeline, yours", "a pipeline, ours", "a chain", "a light", "a case",
-    "a camera", "a suite", "a scenario key",
+    "a camera", "a suite", "a scenario key", "a page",
 }  # fmt: skip
 
 

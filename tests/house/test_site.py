@@ -1,7 +1,8 @@
 """The pages of the documentation site say what is so: blocks run, commands parse, links lead on.
 
-Tutorials are run as a reader would, in an empty folder, at the sizes they show. What Sphinx alone can
-tell (anchors, orphans, cross-references) `make docs` refuses; what it built `docs/site/check.py` reads.
+Tutorials are run as a reader would, in an empty folder, at the sizes they show. What Sphinx alone
+can tell (anchors, orphans, cross-references) `make docs` refuses; what it has built is read by
+`docs/site/check.py`.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def test_a_page_that_lies_is_caught(tmp_path):
 
 @pytest.mark.parametrize("name", notebooks.NAMES)
 def test_a_notebook_is_its_tutorial(name):
-    """After a tutorial has changed: ``python docs/site/notebooks.py``."""
+    """After a tutorial has changed: ``python -m docs.site.notebooks``."""
     kept = json.loads((DOCS / "notebooks" / f"{name}.ipynb").read_text())
     assert kept == notebooks.notebook_of((DOCS / "tutorials" / f"{name}.md").read_text())
 
