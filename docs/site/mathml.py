@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
-from docutils.utils.math.latex2mathml import tex2mathml
+from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
+
+LEFT_OVER = re.compile(r">(&|\\[A-Za-z]*)<")
 
 
 def as_mathml(node: nodes.Node, *, block: bool) -> str:
@@ -19,9 +22,12 @@ def as_mathml(node: nodes.Node, *, block: bool) -> str:
         If it is written in a way that is not understood.
     """
     try:
-        return tex2mathml(node.astext(), as_block=block)
+        made = convert(node.astext(), display="block" if block else "inline")
     except Exception as error:
         raise ExtensionError(f"no MathML of {node.astext()!r}: {error}") from error
+    if LEFT_OVER.search(made):  # an environment or a command that it does not know
+        raise ExtensionError(f"no MathML of {node.astext()!r}: something of it is left as typed")
+    return made
 
 
 def in_line(translator: Any, node: nodes.Node) -> None:

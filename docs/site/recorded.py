@@ -1,7 +1,7 @@
 """Figures where they are recorded, shown again with their day: no number is typed twice.
 
     ```{recorded} README.md
-    :table: root mean square over the last 1000 s
+    :table: "root mean square over the last 1000 s"
     :machine: two cores, no GPU
     ```
 
@@ -77,7 +77,7 @@ class Recorded(SphinxDirective):
         path = HOUSE / self.arguments[0]
         self.env.note_dependency(str(path))
         try:
-            first, lines = table_of(path, self.options["table"])
+            first, lines = table_of(path, self.options.get("table", ""))
         except ValueError as error:
             raise self.error(str(error)) from error
         day = day_of(path, first, first + len(lines) - 1)
