@@ -56,6 +56,5 @@ html_copy_source = False
 html_show_sphinx = False
 html_extra_path: list[str] = []
 html_theme_options = {"navigation_with_keys": True}
-copybutton_exclude = ".linenos, .gp, .go"
 pygments_style = "friendly"
 pygments_dark_style = "github-dark"

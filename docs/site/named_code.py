@@ -1,7 +1,7 @@
 """What stands in backquotes and names a module or a member leads to its page of the API.
 
 So that a page reads as well where it is not built: it says ``models/camera.py`` or
-``models.pose.RigidTransform``, and nothing else is typed. Two languages of blocks are taught, too.
+``models.pose.RigidTransform``, and nothing else is typed. Languages of blocks are taught, too.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import re
 
 from docutils import nodes
 from pygments.lexers.data import JsonLexer
+from pygments.lexers.shell import BashLexer
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
@@ -50,4 +51,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("doctree-resolved", lead_there)
     app.add_lexer("jsonl", JsonLexer)
     app.add_lexer("csv", TextLexer)
+    app.add_lexer("console", BashLexer)  # commands are typed without a prompt
     return {"parallel_read_safe": True, "parallel_write_safe": True}
