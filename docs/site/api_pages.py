@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ast
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from sphinx.application import Sphinx
+if TYPE_CHECKING:  # what is made can be tested where there is no Sphinx
+    from sphinx.application import Sphinx
 
 HOUSE = Path(__file__).resolve().parents[2]
 PLACE = HOUSE / "docs" / "api"

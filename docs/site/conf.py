@@ -33,7 +33,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     # Types in signatures: of libraries, of the standard library, private, or told in words.
     ("py:.*", r"(?!(models|renders|pipelines|bench)\.).*"),
-    ("py:.*", r".*\.(_\w+|T|S|Key|Value|Result)$"),
+    ("py:.*", r".*\.(_\w+|T|S|Key|Value|Result|Piece|Part|Annotated)$"),
 ]
 suppress_warnings = ["config.cache"]
 
