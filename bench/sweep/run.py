@@ -14,7 +14,6 @@ from typing import Any
 from rich.console import Console
 
 from bench.chains.catalogue import chain_named
-from bench.estimating.runs import PREFERRED
 from bench.pictures.frame_record import pose_stood_by
 from bench.scoring.judgement import TrueScene
 from bench.scoring.limits import Limits
@@ -26,7 +25,7 @@ from bench.sweep.folder import (
 )
 from bench.sweep.plan import SweepPlan, SweepRequest, plan_sweep
 from bench.sweep.pose_work import PoseWork, pose_work
-from bench.sweep.shots import Shot, read_shot
+from bench.sweep.shots import Shot, ShotRecord, read_shot
 from bench.sweep.stages import Sweeper
 from bench.sweep.table import Row, Setting, judged_row
 from bench.sweep.workers import Workers
@@ -78,8 +77,7 @@ class SweepResult:
     @property
     def map_pipeline(self) -> str:
         """The pipeline whose results the maps show."""
-        chosen = [each.label for each in self.plan.pipelines]
-        return PREFERRED if PREFERRED in chosen else chosen[0]
+        return self.plan.map_pipeline.label
 
 
 def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepResult:
@@ -106,7 +104,7 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
         pose_work(plan, pose, world, store, variant)
         for pose, world in zip(plan.poses, worlds, strict=True)
     ]
-    write_asked(request.out, [shot for work in works for own in work.shots for shot in own])
+    write_asked(request.out, [shot for work in works for shot in work.every_shot])
     with at_work(request.out, "sweep"):
         return _swept(plan, works, store, variant, console)
 
@@ -127,7 +125,7 @@ def _swept(
             for sun, shots in zip(plan.suns, work.shots, strict=True)
             for setting, shot in zip(work.settings, shots, strict=True)
         },
-        onboard={work.pose.time_s: work.onboard for work in works},
+        onboard={work.pose.time_s: work.onboards[0] for work in works},
         frame=sweeper.frame,
         provenance=provenance(world_of(plan.scenario), variant),
     )
@@ -164,26 +162,39 @@ def _rows(plan: SweepPlan, works: list[PoseWork], truths: list[PoseTruth]) -> li
         judge_alone = chain_named(world.chain).judge_alone
         assert judge_alone is not None, "the plan has asked"
         limits = Limits(**plan.scenario.limits.model_dump())
-        scene = TrueScene(world.camera, world.target.markers, work.onboard, limits)
+        scenes = [
+            TrueScene(world.camera, world.target.markers, onboard, limits)
+            for onboard in work.onboards
+        ]
         for place, setting in enumerate(work.settings):
             for number, sun in enumerate(plan.suns):
-                record = read_shot(plan.request.out, work.shots[number][place])
-                if record is None:
-                    raise StorageError(
-                        f"expected to read back what was just written to {plan.request.out}/shots, "
-                        "got nothing or something else; run the same command again"
-                    )
-                was = truth[sun.text]
+                shot, *again = work.shots[number][place], *work.again[number][place]
+                record, was = _taken(plan, shot), truth[sun.text]
+                drawn = [
+                    judge_alone(said, was, scenes[other.run])
+                    for other in again
+                    for said in _taken(plan, other).estimates.values()
+                ]
                 for label, said in record.estimates.items():
-                    judged = judge_alone(said, was, scene)
-                    pose = pose_stood_by(said, work.onboard)
+                    judged = judge_alone(said, was, scenes[0])
+                    pose = pose_stood_by(said, work.onboards[0])
                     along_m = (
                         None if pose is None else pose.translation - was.cam_from_target.translation
                     )
-                    rows.append(
-                        judged_row(sun, setting, label, judged, along_m, record.saturated_percent)
-                    )
+                    others = drawn if label == plan.map_pipeline.label else []
+                    share = record.saturated_percent
+                    rows.append(judged_row(sun, setting, label, judged, along_m, share, others))
     return rows
+
+
+def _taken(plan: SweepPlan, shot: Shot) -> ShotRecord:
+    record = read_shot(plan.request.out, shot)
+    if record is None:
+        raise StorageError(
+            f"expected to read back what was just written to {plan.request.out}/shots, got nothing "
+            "or something else; run the same command again"
+        )
+    return record
 
 
 def about(result: SweepResult) -> dict[str, Any]:
@@ -197,5 +208,6 @@ def about(result: SweepResult) -> dict[str, Any]:
         "suns": len(result.plan.suns),
         "pipelines": [each.label for each in result.plan.pipelines],
         "map_pipeline": result.map_pipeline,
+        "draws": result.plan.request.draws,
         "provenance": result.provenance,
     }

@@ -107,7 +107,7 @@ class Sweeper:
 
     def _announce(self, totals: dict[str, int], damaged: int) -> None:
         camera = self.plan.scenario.simulated_camera
-        shots = sum(len(own) for work in self.works for own in work.shots)
+        shots = sum(len(work.every_shot) for work in self.works)
         again = f", {damaged} of it damaged in the store" if damaged else ""
         self.console.print(
             f"{self.plan.scenario.name}: {len(self.plan.suns)} Suns, {len(self.works)} "
@@ -192,7 +192,7 @@ class Sweeper:
     ) -> list[int]:
         """Take the shots under some Suns; return the Suns whose light was not there after all."""
         missing = {sun: shots for sun in suns if (shots := work.missing_shots(self.out, sun))}
-        tasks = [(shots, work.onboard, self.out) for shots in missing.values()]
+        tasks = [(shots, work.onboards, self.out) for shots in missing.values()]
         lost, before = [], perf_counter()
         for number, taken in workers.run(take_shots, tasks):
             sun = list(missing)[number]

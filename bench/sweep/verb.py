@@ -54,6 +54,9 @@ class Sweep:
     """powers of the 800 and 850 nm lamps to try, on axis; the exposure time does not follow them"""
     pipeline: Annotated[str, arg(metavar="both|NAME")] = "both"
     """pipeline to try: both variants of ours, or one by name; the maps show best if it is there"""
+    draws: Annotated[int, arg(metavar="N")] = 5
+    """times that each frame is exposed anew, with other noise and another first pose, by the pipeline
+    that the maps show: what ranks the kindest and the harshest Suns; costs no light"""
     width: OptionalCount = None
     """columns of the image, the field of view stays; 1024 unless given or the case has fewer"""
     spp: OptionalCount = None
@@ -94,6 +97,7 @@ class Sweep:
             "exposure_ms": self.exposure_ms,
             "lamp_w_sr": self.lamp_w_sr,
             "pipeline": self.pipeline,
+            "draws": self.draws,
             "width": self.width,
             "spp": self.spp,
             "marker_samples": self.marker_samples,

@@ -97,7 +97,7 @@ def test_another_run_has_its_own_errors_poses_and_reasons(opened):
     own = opened()
     own.page.locator("#explorer-pipeline").select_option(HOSTILE_LABEL)
     verdict, scene = own.page.locator("#explorer-verdict"), own.pixels("scene")
-    own.page.locator("#explorer-scene .choices").get_by_label("difference").select_option("10000")
+    own.page.locator("#explorer-scene .choices").get_by_label("difference").select_option("100")
     far = own.pixels("scene")
     assert far != scene
     first = verdict.inner_text()
