@@ -2,8 +2,8 @@
 
 Shots are taken in worker processes. A pipeline gets the frame and what is on board as drawn; truth
 stays with whoever judges. No Mitsuba is loaded. What a shot came to is kept as
-``DIR/shots/KEY.json``, of run 0 with ``KEY.png``, its last image small; the key is the hash of all that
-shaped it.
+``DIR/shots/KEY.json``, of run 0 with ``KEY.png``, its last image small; the key is the hash of all
+that shaped it.
 """
 
 from __future__ import annotations

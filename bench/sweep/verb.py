@@ -55,8 +55,8 @@ class Sweep:
     pipeline: Annotated[str, arg(metavar="both|NAME")] = "both"
     """pipeline to try: both variants of ours, or one by name; the maps show best if it is there"""
     draws: Annotated[int, arg(metavar="N")] = 5
-    """times that each frame is exposed anew, with other noise and another first pose, by the pipeline
-    that the maps show: what ranks the kindest and the harshest Suns; costs no light"""
+    """times that each frame is exposed, each with noise and a first pose of its own, for the
+    pipeline that the maps show; they rank the kindest and the harshest Suns, and cost no light"""
     width: OptionalCount = None
     """columns of the image, the field of view stays; 1024 unless given or the case has fewer"""
     spp: OptionalCount = None

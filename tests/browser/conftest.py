@@ -16,7 +16,7 @@ FLAGS = ("--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader")  # fmt: skip
 STOPPED_MS = 600e3  # a page that has not answered by then never will, however busy the machine is
 SHOWS_IT = """frame =>
-  ['picture', 'scene'].map(name => document.getElementById(`explorer-${name}`))
+  ['picture', 'scene', 'orbit'].map(name => document.getElementById(`explorer-${name}`))
     .filter(home => !home.hidden)
     .every(home => home.querySelector('canvas').dataset.frame === frame)
   && document.querySelectorAll('.now').length > 0

@@ -25,7 +25,7 @@ from bench.sweep.table import VERDICTS, setting_of
 from models.camera import camera_preset
 from models.dataset.estimates_file import write_estimates
 from models.dataset.marker_file import markers_to_toml
-from models.estimate import Detections, Estimate, PoseEstimate
+from models.estimate import Detections, Estimate, NamedState, PoseEstimate
 from models.lights.sun_grid import sun_grid
 from tests.bench.sweep.test_table import SETTING, TRUTH, judged
 from tests.support.synthetic_dataset import (
@@ -93,6 +93,32 @@ def tumble(home: Path) -> Path:
         return Estimate(truth.frame, truth.time_s, PoseEstimate(pose), detections=found)
 
     write_estimates(home / "estimates" / "best.jsonl", map(said, dataset.truths))
+    return _reported(home)
+
+
+def navigated(home: Path) -> Path:
+    """Return six images of XMM by a chaser that knows its own orbit to some metres."""
+    dataset = write_images(home, 6, 4.0, width_px=96)
+    rng = np.random.default_rng(4)
+
+    def said(truth) -> Estimate:
+        place = truth.chaser.position_in_inertial + rng.normal(0.0, 5.0, 3)
+        orbit = NamedState(
+            {
+                "position_in_inertial_m": place,
+                "velocity_in_inertial_m_s": truth.chaser.velocity_in_inertial,
+            },
+            np.diag([25.0] * 3 + [1e-4] * 3),
+        )
+        states = {**truth.state.named(np.eye(6), np.eye(6)), "chaser_orbit": orbit}
+        pose = truth.cam_from_target.perturbed(0.02 * rng.standard_normal(3), np.zeros(3))
+        return Estimate(
+            truth.frame, truth.time_s, PoseEstimate(pose), mode="tracked", states=states
+        )
+
+    write_estimates(home / "estimates" / "best.jsonl", map(said, dataset.truths))
+    path = home / "dataset.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "chain": "navigated_images"}))
     return _reported(home)
 
 
@@ -172,7 +198,8 @@ def _reported(home: Path) -> Path:
 
 
 EXPLORED: dict[str, Callable[[Path], Path]] = {
-    "pair": pair, "tumble": tumble, "unknown": unknown, "absolute": absolute,
+    "pair": pair, "tumble": tumble, "navigated": navigated, "unknown": unknown,
+    "absolute": absolute,
 }  # fmt: skip
 PLAIN: dict[str, Callable[[Path], Path]] = {
     "sweep": sweep, "suite": suite, "leaderboard": leaderboard,

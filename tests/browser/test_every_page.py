@@ -128,6 +128,22 @@ def test_a_click_on_the_globe_opens_the_frame_in_front(opened):
     assert "elevation 90 deg" in shown.inner_text()
 
 
+@pytest.mark.parametrize("scripts", [True, False])
+def test_a_cell_of_a_suite_leads_to_its_runs_and_back(opened, scripts):
+    own = opened("suite", java_script_enabled=scripts)
+    cell = own.page.locator("a.of-runs").first
+    cell.focus()
+    own.page.keyboard.press("Enter")
+    runs = own.page.locator(".runs:visible")
+    assert runs.count() == 1
+    assert runs.locator("tbody tr").count() >= 1
+    assert "seed 0" in runs.inner_text()
+    own.page.keyboard.press("Tab")
+    own.page.keyboard.press("Enter")
+    assert own.page.locator(".runs:visible").count() == 0
+    assert own.faults() == []
+
+
 def test_pages_without_an_explorer_have_no_script(made):
     for name in set(PLAIN) - {"sweep"}:
         assert "<script" not in made[name].read_text().replace("&lt;script", "")

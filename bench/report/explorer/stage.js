@@ -105,7 +105,7 @@ function makeStage(home, titles, up, followed) {
     Object.assign(canvas.dataset, facts, { next: data.frames[shown.place].frame });
     const seen = Object.keys(parts).filter((name) => parts[name].visible && parts[name].children.length);
     canvas.dataset.parts = seen.join(" ");
-    canvas.setAttribute("aria-label", `The scene at ${data.frames[shown.place].title}: `
+    canvas.setAttribute("aria-label", `The ${home.id.replace("explorer-", "")} at ${data.frames[shown.place].title}: `
       + seen.map((name) => titles[name]).join(", "));
     render();
   }
