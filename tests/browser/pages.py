@@ -71,7 +71,7 @@ def pair(home: Path) -> Path:
             write_variant(dataset, label, said, run)
     names = (HOSTILE, *dataset.pattern.names[1:])
     (home / "markers.toml").write_text(markers_to_toml(replace(dataset.pattern, names=names)))
-    return _reported(home)
+    return reported(home)
 
 
 def tumble(home: Path) -> Path:
@@ -93,7 +93,7 @@ def tumble(home: Path) -> Path:
         return Estimate(truth.frame, truth.time_s, PoseEstimate(pose), detections=found)
 
     write_estimates(home / "estimates" / "best.jsonl", map(said, dataset.truths))
-    return _reported(home)
+    return reported(home)
 
 
 def navigated(home: Path) -> Path:
@@ -119,21 +119,21 @@ def navigated(home: Path) -> Path:
     write_estimates(home / "estimates" / "best.jsonl", map(said, dataset.truths))
     path = home / "dataset.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "chain": "navigated_images"}))
-    return _reported(home)
+    return reported(home)
 
 
 def unknown(home: Path) -> Path:
     """Return a textured cube's images, as our pipeline knows it in the end."""
     write_cube(home, 34)
     api.estimate(home)
-    return _reported(home)
+    return reported(home)
 
 
 def absolute(home: Path) -> Path:
     """Return two minutes of a low orbit."""
     write_flight(home, flight_of(LEO, 120.0))
     api.estimate(home)
-    return _reported(home)
+    return reported(home)
 
 
 def sweep(home: Path) -> Path:
@@ -188,7 +188,8 @@ def leaderboard(home: Path) -> Path:
     return next(path for path in files.values() if path.suffix == ".html")
 
 
-def _reported(home: Path) -> Path:
+def reported(home: Path) -> Path:
+    """Score and report a dataset with estimates, its case by a hostile name."""
     path = home / "dataset.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "case": HOSTILE}))
     for stamp in home.glob("seeds/*/run.json"):
