@@ -11,6 +11,7 @@ from pathlib import Path
 
 from bench.estimating.contenders import Contender
 from bench.estimating.estimation import taking_part
+from bench.estimating.run_times import NotedTimes
 from bench.estimating.runner import estimate_run
 from bench.estimating.runs import (
     estimates_path,
@@ -87,7 +88,9 @@ def _repeat(dataset: Dataset, number: int, chosen: list[Contender]) -> None:
     for name, text in onboard_texts(onboard).items():
         if not holds_text(folder / name, text):
             write_text(home / name, text)
-    estimate_run(folder, number, frames, onboard, chosen, len(dataset.entries))
+    noted = NotedTimes(frames)
+    estimate_run(folder, number, noted, onboard, chosen, len(dataset.entries))
+    noted.write(dataset, home)
     write_text(stamp_path(folder, number), json.dumps(_stamp(dataset, chosen), indent=1) + "\n")
 
 

@@ -4,18 +4,20 @@
 
     DIR/estimates/best.jsonl, best.runtime.csv          run 0
         seeds/001/prior.toml, camera.toml               run 1: what it was given
+        seeds/001/times.csv                             if its clock is told otherwise
         seeds/001/estimates/best.jsonl, ...
         seeds/001/run.json                              written last: whose frames it saw
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from glob import escape
 from pathlib import Path
 from typing import Any
 
+from bench.estimating.run_times import times_of, times_path
 from models.dataset.dataset import Dataset
 from models.dataset.estimates_file import read_estimates, read_runtimes
 from models.errors import DatasetError, UnreadableError
@@ -144,7 +146,11 @@ def found_runs(folder: Path, variant: str) -> list[int]:
 
 
 def by_frame(
-    dataset: Dataset, said: Iterable[Estimate], path: Path, mend: str
+    dataset: Dataset,
+    said: Iterable[Estimate],
+    path: Path,
+    mend: str,
+    times_s: Mapping[int, float] | None = None,
 ) -> dict[int, Estimate]:
     """Return estimates by frame, held against the dataset's frames.
 
@@ -156,6 +162,8 @@ def by_frame(
         Their file, for messages.
     mend : str
         What to do.
+    times_s : mapping of int to float, optional, s
+        Of the frames, where a run has times of its own.
 
     Raises
     ------
@@ -173,10 +181,13 @@ def by_frame(
         )
     for entry in dataset.entries:
         said_s = estimates[entry.index].time_s
-        if abs(said_s - entry.time_s) > SAME_INSTANT_S:
+        there_s, where = entry.time_s, "frames.csv"
+        if times_s is not None:
+            there_s, where = times_s[entry.index], "times.csv"
+        if abs(said_s - there_s) > SAME_INSTANT_S:
             raise DatasetError(
-                f"{path}: expected an estimate of frame {entry.index} at {entry.time_s} s, as "
-                f"frames.csv has it, got one at {said_s} s; {mend}"
+                f"{path}: expected an estimate of frame {entry.index} at {there_s} s, as "
+                f"{where} has it, got one at {said_s} s; {mend}"
             )
     return estimates
 
@@ -207,9 +218,10 @@ def read_run(dataset: Dataset, number: int, label: str) -> Run:
     fingerprint = dataset.fingerprint()
     if read_stamp(folder, number).get("dataset", fingerprint) != fingerprint:
         raise DatasetError(f"{path}: expected estimates of this dataset, got another's; {mend}")
-    estimates = by_frame(
-        dataset, read_estimates(path), path, f"the frames have changed since: {mend}"
-    )
+    own = run_folder(folder, number)
+    times_s = times_of(dataset, own) if times_path(own).exists() else None
+    said = read_estimates(path)
+    estimates = by_frame(dataset, said, path, f"the frames have changed since: {mend}", times_s)
     try:
         spent = read_runtimes(runtimes_path(folder, number, label))
     except DatasetError as error:

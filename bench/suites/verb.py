@@ -79,7 +79,8 @@ class Suite:
     duration_s: OptionalNumber = None
     """length of a run, in s (1800; volpe2017: of the paper's case, one orbit)"""
     rate_hz: OptionalNumber = None
-    """frames a second, of a suite that renders (opromolla2022: 1; the paper's is 5)"""
+    """frames a second, of a suite that renders (opromolla2022: 1; the paper's is 5), or of
+    vinag2018's star sensor (5)"""
     width: OptionalCount = None
     """columns of rendered images (opromolla2022: 2048, uncooperative-suns: 1024)"""
     store: OptionalFolder = None

@@ -35,7 +35,7 @@ SETTLED_PX, SETTLED_SIZE = 0.5, 0.02  # a rim fitted nearer to its pose than thi
 MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
 CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its radii
 GROWTH, MOST_GROWTH = 0.5, 4.0
-RADIUS_KEY = "markers.radius_m"
+RADIUS_KEY, NORMAL_KEY = "markers.radius_m", "markers.normal_in_target_deg"
 TRIALS, REFITS = 3, 2
 ROUGH_SIZE, ROUGH_SHAPE, OUTSIDE_PX = 0.03, 0.01, -1e6
 CAPTURE_SIGMAS, CAPTURE_SHARE = 3.0, 0.25  # of a prediction, and in radii
@@ -143,6 +143,18 @@ class BestLook:
             raw, self._camera, self._detector, self._markers, pose, nowhere, blur_px, known
         )
 
+    def _known(self, found: _Found) -> KnownDisc:
+        """Return how well a pose tells the rims: an ellipse's small axis goes by a cosine."""
+        outlines = disc_outlines(self._camera, found.pose, self._markers)
+        small, large = np.linalg.eigvalsh(outlines.shapes_px2[outlines.facing]).T
+        sine = float(np.sqrt(1.0 - np.min(small / large, initial=1.0)))
+        turn = np.hypot(
+            np.deg2rad(self._sigmas.get(NORMAL_KEY, 0.0)),
+            np.sqrt(np.linalg.eigvalsh(found.covariance[:3, :3])[-1]),
+        )
+        shape = float(sine * turn + 0.5 * turn**2)
+        return KnownDisc(self._size_sigma, min(shape, ROUGH_SHAPE))
+
     def _circles(
         self, raw: Image, dots: PredictedMarkers, predicted: PredictedPose
     ) -> DotCandidates:
@@ -198,8 +210,7 @@ class BestLook:
         for _ in range(REFITS):
             if isinstance(outcome, str):
                 return self._told(outcome, fitted), fitted
-            known = KnownDisc(self._size_sigma)
-            fitted = self._refitted(raw, outcome.pose, fitted.blur_px, known)
+            fitted = self._refitted(raw, outcome.pose, fitted.blur_px, self._known(outcome))
             outcome = self._solved(fitted.match, predicted)
             if fitted.furthest_px < SETTLED_PX and fitted.worst_size < SETTLED_SIZE:
                 break

@@ -13,9 +13,10 @@ import numpy as np
 from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.pose import RigidTransform, pose_error
-from pipelines.pnp.gauss_newton import gauss_newton_step, linearised
+from pipelines.chaser_fixed.options import options_for
+from pipelines.pnp.batched_levenberg_marquardt import solve_poses
 
-STEPS = 6  # from the truth, a hundredth of a degree off, one would nearly do
+SOLVER = options_for("best").solver
 LEAST = 3
 
 
@@ -48,21 +49,18 @@ def errors_of_exact_centroids(
     count = len(cameras)
     if seen.sum() < LEAST:
         return np.full((count, 6), np.nan)
-    observed = np.array([camera.normalise(markers_px[seen]).T for camera in cameras])
-    points = points_in_target[:, seen]
-    weights = np.ones((count, int(seen.sum())))
-    rotations = np.repeat(truth.rotation[None], count, axis=0)
-    translations = np.repeat(truth.translation[None], count, axis=0)
-    for _ in range(STEPS):
-        linear = linearised(rotations, translations, points)
-        rotations, translations, _ = gauss_newton_step(
-            rotations, translations, linear, observed, weights
-        )
-    found = [
+    found = solve_poses(
+        np.ascontiguousarray(points_in_target[:, seen]),
+        np.array([camera.normalise(markers_px[seen]) for camera in cameras]),
+        np.repeat(truth.rotation[None], count, axis=0),
+        np.repeat(truth.translation[None], count, axis=0),
+        SOLVER,
+    )
+    errors = [
         pose_error(RigidTransform(_orthonormal(rotation), translation), truth)
-        for rotation, translation in zip(rotations, translations, strict=True)
+        for rotation, translation in zip(found.rotations, found.translations, strict=True)
     ]
-    return np.array([[*each.position_m, *each.euler_deg] for each in found])
+    return np.array([[*each.position_m, *each.euler_deg] for each in errors])
 
 
 def _orthonormal(rotation: Floats) -> Floats:

@@ -31,6 +31,7 @@ from pipelines.absolute.error_state import (
     SIZE,
     VELOCITY,
 )
+from pipelines.absolute.integrity import PROTECTION_SIGMAS
 from pipelines.absolute.navigator import AbsoluteNavigator, start_sigmas, started_from
 from pipelines.absolute.options import AbsoluteOptions, absolute_options_for
 from renders.flight.faults import Faults
@@ -99,7 +100,9 @@ def navigate(task: NavigationTask) -> Outcome:
         position, velocity and clock (8), ``nees_attitude`` of attitude and gyro bias (6), and with
         a modelled truth ``nees_whole`` of all 17, (n, runs);
         ``axes`` (n, 3, 3), of run 0's truth, columns radial, along, normal; ``used`` (n,)
-        satellites, ``edited`` and ``named``, whether a liar is called one (n, runs). Over all:
+        satellites; ``edited`` ones, of them ``edited_liar``, ``named`` liars that are one and
+        ``named_healthy`` that are none, and ``beyond``, the largest error of position on an axis
+        over its protection level (n, runs). Over all:
         ``doubts`` and ``refused`` star frames (runs,), and ``unseen`` ones, in which a star camera
         found nothing, (1,). Seconds of one core, all in one.
     """
@@ -131,12 +134,9 @@ def navigate(task: NavigationTask) -> Outcome:
         if record is not None:
             navigator.take(record)
         elif truth is not None and _is_due(truth.time_s, task.case.record_s):
-            rows.append(_errors(navigator, truth, task.modelled))
-            rows[-1]["named"] = np.array(
-                [
-                    task.faults.liar in navigator.integrity.liars(run)
-                    for run in range(len(task.runs))
-                ]
+            rows.append(
+                _errors(navigator, truth, task.modelled)
+                | _diagnostics(navigator, truth, task.faults.liar)
             )
     values = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     values = {name: each.astype(np.float32) for name, each in values.items()}
@@ -177,9 +177,6 @@ def _errors(navigator: AbsoluteNavigator, truth: TrueInstant, modelled: bool) ->
     error[:, GYRO_BIAS] = state.vector[:, GYRO_BIAS] - truth.gyro_bias
     error[:, CLOCK] = state.vector[:, CLOCK] - truth.clock
     covariance = state.covariance[:, :SIZE, :SIZE]
-    verdict = navigator.integrity.gnss
-    fresh = verdict is not None and abs(verdict.time_s - truth.time_s) < 1e-6
-    edited = verdict.edited if verdict is not None and fresh else None
     return {
         "time_s": np.array(truth.time_s),
         "position_m": error[:, POSITION],
@@ -191,8 +188,31 @@ def _errors(navigator: AbsoluteNavigator, truth: TrueInstant, modelled: bool) ->
         "nees_attitude": _nees(error, covariance, TURN),
         "nees_whole": _nees(error, covariance, WHOLE if modelled else ORBIT + TURN),
         "axes": lvlh_axes(truth.motion[0, :3], truth.motion[0, 3:6]),
-        "used": np.array(len(verdict.satellite) if verdict is not None and fresh else 0),
-        "edited": np.zeros(len(error)) if edited is None else edited.sum(axis=1),
+    }
+
+
+def _diagnostics(navigator: AbsoluteNavigator, truth: TrueInstant, liar: int) -> dict[str, Any]:
+    """Return what the filter says of its satellites and of itself, beside the truth."""
+    state, integrity = navigator.state, navigator.integrity
+    runs = len(state.vector)
+    verdict = integrity.gnss
+    fresh = verdict is not None and abs(verdict.time_s - truth.time_s) < 1e-6
+    satellites = verdict.satellite if verdict is not None and fresh else np.zeros(0, dtype=np.int64)
+    edited = np.zeros((runs, len(satellites)))
+    if verdict is not None and fresh and verdict.edited is not None:
+        edited += verdict.edited
+    named = [integrity.liars(run) for run in range(runs)]
+    off_m = np.abs(state.vector[:, POSITION] - truth.motion[:, POSITION])
+    level_m = PROTECTION_SIGMAS * np.sqrt(
+        np.diagonal(state.covariance[:, POSITION, POSITION], axis1=1, axis2=2)
+    )
+    return {
+        "used": np.array(len(satellites)),
+        "edited": edited.sum(axis=1),
+        "edited_liar": edited[:, satellites == liar].sum(axis=1),
+        "named": np.array([liar in each for each in named]),
+        "named_healthy": np.array([len(set(each) - {liar}) for each in named]),
+        "beyond": (off_m / level_m).max(axis=1),
     }
 
 

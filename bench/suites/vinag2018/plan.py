@@ -31,7 +31,7 @@ PARTS = (
     "chain", "dataset",
 )  # fmt: skip
 DATASET_S = 600.0  # of the flight that is written as a dataset
-CHUNK = 10  # runs of one unit, one batch
+CHUNK = 25  # runs of one unit, one batch: of 10 a run takes half as long again, of 50 two thirds
 MOST_RUNS, MOST_SEED = 100_000, 2**32 - 1
 FULL_TURN_RAD = 6.283185307179586
 SAMPLED_S, SAMPLED_CASE = 600.0, LEO

@@ -12,6 +12,7 @@ from bench.suites.vinag2018.availability import STATES
 from bench.suites.vinag2018.cases import CASES, Case
 from bench.suites.vinag2018.chain_results import Chained, chained
 from bench.suites.vinag2018.chain_run import CHASERS
+from bench.suites.vinag2018.integrity_results import Diagnosed, diagnosed
 from bench.suites.vinag2018.plan import Cell, Plan
 from bench.suites.vinag2018.star_results import Surveyed, surveyed
 from bench.suites.vinag2018.star_survey import SKIES
@@ -26,6 +27,7 @@ from pipelines.absolute.options import VARIANTS
 
 LAST_S = 100.0  # of a flight with a fault: well after it
 UNBOUNDED = ("mask", "stars")  # parts whose flights have no bound of their own
+DIAGNOSED = (*CASES, "faults")
 STARTED_S = 60  # seconds of a sampled flight that are left out
 
 
@@ -112,6 +114,7 @@ class Results:
     sampled: Sampled | None
     surveyed: tuple[Surveyed, ...]
     chained: tuple[Chained, ...] = ()
+    diagnosed: tuple[Diagnosed, ...] = ()
 
 
 class Outcomes:
@@ -167,6 +170,12 @@ class Outcomes:
             sampled=self._sampled() if "sampling" in parts else None,
             surveyed=tuple(map(self._surveyed, SKIES)) if "stars" in parts else (),
             chained=self._chained() if "chain" in parts else (),
+            diagnosed=tuple(
+                diagnosed(cell, self.flights(cell))
+                for part in DIAGNOSED
+                if part in parts
+                for cell in self.plan.flights(part)
+            ),
         )
 
     def chain(self, variant: str, chaser: str) -> list[Outcome]:

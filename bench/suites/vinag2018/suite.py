@@ -20,9 +20,11 @@ from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.vinag2018.page import write_suite_page
 from bench.suites.vinag2018.plan import DATASET_S, PARTS, QUICK, Plan, Sizes, options_text
 from bench.suites.vinag2018.results import Outcomes, Results
+from models.errors import ScenarioError
 from pipelines.absolute.options import REGIMES, VARIANTS
 
 DATASET = "flight-leo"
+STAR_RATES_HZ = (1, 2, 4, 5, 10, 20, 25, 50, 100)
 
 
 def plan_of(request: SuiteRequest) -> Plan:
@@ -33,9 +35,21 @@ def plan_of(request: SuiteRequest) -> Plan:
     ScenarioError
         If a part or a size is none, or is one of another suite.
     """
-    asked = request.sizes("runs", "seeds", "acquisitions", "duration_s")
+    asked = request.sizes("runs", "seeds", "acquisitions", "duration_s", "rate_hz")
+    if "rate_hz" in asked:
+        asked["star_rate_hz"] = _star_rate_hz(asked.pop("rate_hz"))
     sizes = replace(QUICK if request.quick else Sizes(), seed=request.seed, **asked)
     return Plan(sizes, request.parts or PARTS)
+
+
+def _star_rate_hz(rate_hz: float) -> int:
+    if rate_hz not in STAR_RATES_HZ:
+        known = ", ".join(map(str, STAR_RATES_HZ))
+        raise ScenarioError(
+            f"expected --rate-hz, star frames a second, among {known}, got {rate_hz:g}: the "
+            "gyroscopes' hundred samples a second are summed between them"
+        )
+    return int(rate_hz)
 
 
 def units_of(request: SuiteRequest) -> list[WorkUnit]:

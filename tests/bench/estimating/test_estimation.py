@@ -15,6 +15,7 @@ from bench.estimating.repeated_runs import repeat_runs, runs_left
 from bench.estimating.runs import (
     estimates_path,
     found_runs,
+    read_run,
     read_stamp,
     run_folder,
     runtimes_path,
@@ -28,6 +29,7 @@ from tests.support.synthetic_dataset import write_dataset
 
 A_MILLIMETRE = 1.0
 VARIANTS = ("paper", "best")
+CLOCKS_S = {2: 0.0047}
 
 
 def test_every_frame_of_every_variant_is_estimated(scored_dataset):
@@ -74,7 +76,11 @@ def replayed(tmp_path, monkeypatch):
         drawn = dataclasses.replace(
             told, prior=dataclasses.replace(told.prior, cam_from_target=prior)
         )
-        return drawn, (noisy(frame) for frame in opened.frames())
+        late_s = CLOCKS_S.get(run, 0.0)  # its clock's error against run 0's
+        frames = (
+            dataclasses.replace(frame, time_s=frame.time_s + late_s) for frame in opened.frames()
+        )
+        return drawn, (noisy(frame) for frame in frames)
 
     monkeypatch.setattr(renders.batches.replay, "exposed_frames", exposed_frames)
     api.estimate(dataset.folder)
@@ -100,6 +106,24 @@ def test_runs_are_done_once(replayed):
     best = score["pipelines"]["best"]
     assert (best["core"]["pooled"]["runs"], best["core"]["pooled"]["frames"]) == (4, 8)
     assert best["parts"]["centroids"]["pooled"]["temporal_std"] is not None
+
+
+def test_a_run_has_the_times_of_its_own_clock(replayed):
+    """A clock that is told wrong is so run by run: the estimates carry its times."""
+    repeat_runs(replayed[0].folder, 3)
+    dataset = open_dataset(replayed[0].folder)
+    first_s = dataset.entries[0].time_s
+    runs = [read_run(dataset, number, "best") for number in range(3)]
+    said_s = [run.estimates[dataset.entries[0].index].time_s for run in runs]
+    assert said_s == pytest.approx([first_s, first_s, first_s + CLOCKS_S[2]], abs=1e-12)
+    assert not (run_folder(dataset.folder, 1) / "times.csv").exists()
+    path = run_folder(dataset.folder, 2) / "times.csv"
+    path.write_text(path.read_text().replace("frame,", "image,"))
+    with pytest.raises(DatasetError, match=r"times.csv:1: expected the columns frame, time_s"):
+        read_run(dataset, 2, "best")
+    path.unlink()
+    with pytest.raises(DatasetError, match=r"as frames.csv has it, got one at .* delete"):
+        read_run(dataset, 2, "best")
 
 
 def test_a_broken_run_is_done_again(replayed):

@@ -89,6 +89,7 @@ def whole(spec: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_killed_twice_and_ended_by_two_processes_its_bytes_are_the_same(
     whole: Path, spec: Path, tmp_path: Path
 ) -> None:

@@ -127,6 +127,7 @@ def test_killed_in_the_light_it_goes_on_without_redoing(
     assert result.rows == expected.rows
 
 
+@pytest.mark.slow
 def test_killed_for_good_the_same_command_ends_the_same(sweep: SmallSweep, tmp_path: Path) -> None:
     """By SIGKILL, as the second shot's record gets its name."""
     out = tmp_path / "killed"

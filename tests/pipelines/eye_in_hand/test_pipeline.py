@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from models.arrays import Image
 from models.errors import DatasetError, ScenarioError
@@ -97,6 +98,23 @@ def test_the_covariance_is_what_repeated_images_show() -> None:
     mean, known = mean_image(DotScene(pose, lit=lambda p: np.full(len(p), 0.01))), onboard(pose)
     squares = [nees(said_of(with_noise(mean, DETECTOR, seed), known), pose) for seed in range(24)]
     assert NEES[0] < np.mean(squares) < NEES[1]
+
+
+def test_a_rim_is_believed_as_far_as_its_tilt_is_told() -> None:
+    """Normals two degrees off, seen aslant from 0.42 m: a rim 0.1 px from where the pose has it.
+
+    Who is told that they are sure refuses such rims, who is told of a degree does not.
+    """
+    pose = facing(0.42, [25.0, -15.0, 5.0])
+    raw = raw_image(DotScene(pose))
+    turn = Rotation.from_rotvec(np.deg2rad([1.4, 1.4, 0.0])).as_matrix()
+    tilted = replace(GRASP_MARKERS, normals_in_target=GRASP_MARKERS.normals_in_target @ turn.T)
+    known = replace(onboard(pose, board=None), markers=tilted)
+    sure = said_of(raw, known)
+    assert sure.reason is not None
+    assert "its rim is no circle's" in sure.reason
+    told = said_of(raw, replace(known, sigmas={"markers.normal_in_target_deg": 1.0}))
+    assert errors(told, pose)[0] < 0.3
 
 
 @pytest.mark.parametrize("times", [1.0, 4.0])

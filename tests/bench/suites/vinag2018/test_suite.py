@@ -25,14 +25,19 @@ PLAN = Plan(
     Sizes(runs=2, seeds=1, duration_s=60.0, star_rate_hz=1),
     ("leo", "model", "faults", "mask", "geo"),
 )
+FALSE_ALARMS = 1e-3  # beyond five sigmas falls one in two million; as many as some thousands tell
+FAULT_RUNS = 1
+SHORT_FAULT_S = 520.0  # the lie, from 200 s to 500 s, is in it
 QUIET = Console(file=io.StringIO())
 
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     out = tmp_path_factory.mktemp("suite") / "out"
-    run_plan(PLAN, out, 1, QUIET)
-    return out
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("bench.suites.vinag2018.plan.FAULT_S", SHORT_FAULT_S)
+        run_plan(PLAN, out, 1, QUIET)
+        yield out
 
 
 def document(out) -> object:
@@ -61,6 +66,20 @@ def test_every_part_asked_for_is_there(done):
     assert len(parts["faults"]) == 3
     assert parts["counted"] == []
     assert parts["sampled"] is None
+
+
+def test_diagnostics_are_counted(done):
+    found = document(done)["parts"]["diagnosed"]
+    assert [each["cell"]["fault"] != "" for each in found] == [False] * 4 + [True] * 3
+    for each in found:
+        assert each["ranges"] > 0
+        assert each["edited_healthy"] <= FALSE_ALARMS
+        assert each["stars_refused"] <= FALSE_ALARMS
+        assert each["beyond"] == 0.0
+    lied = found[4]
+    assert lied["lies"] == FAULT_RUNS * 300
+    assert lied["lies_used"] <= FALSE_ALARMS
+    assert lied["named_healthy"] == 0
 
 
 def test_the_page_opens_offline_and_has_its_figures(done):

@@ -1,0 +1,1 @@
+"""Pose solvers side by side, ours and others', on the geometry of the first paper."""
