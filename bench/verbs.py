@@ -13,10 +13,12 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import RenderOptions
+from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress
 from models.errors import ScenarioError
 from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
+ALONE = ("local", None, (), None, None)  # neither a runner nor a share
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -33,6 +35,7 @@ class Render:
 
         rvbench render maxar-approach --sun S4 --rate-hz 0.1 --out out/s4
         rvbench render xmm-tumble --width 1024 --out out/xmm
+        rvbench render xmm-tumble --runner slurm --jobs 20 --sbatch time=1:00:00 --out out/xmm
 
     Stop it anywhere: what is there is kept, and the same command goes on from there.
     """
@@ -66,12 +69,31 @@ class Render:
     """with `--keep-light some`, frames from one that keeps its light to the next (10)"""
     threads: OptionalCount = None
     """cores to use; all unless given"""
+    runner: RunnerName = "local"
+    jobs: Jobs = None
+    sbatch: Sbatch = ()
+    scheduler: SchedulerAddress = None
+    chunk: ChunkText = None
 
     def run(self) -> int:
         """Render."""
+        if self.is_share_alone():
+            return DONE
         api.render(self.case, self.out, **self.options())
         print(f"frames: {self.out / 'frames'}")
         return DONE
+
+    def is_share_alone(self) -> bool:
+        """Have frames rendered elsewhere, or a share of them here; tell whether that was all."""
+        if (self.runner, self.jobs, self.sbatch, self.scheduler, self.chunk) == ALONE:
+            return False
+        from bench.runners.rendering import rendered_share
+
+        chunk = rendered_share(self)
+        if chunk is None:
+            return False
+        print(f"chunk {chunk}: done, into {self.out}")
+        return True
 
     def options(self) -> RenderOptions:
         """Return what was asked of the rendering."""
@@ -109,6 +131,8 @@ class Run(Render):
 
     def run(self) -> int:
         """Do the whole job."""
+        if self.is_share_alone():
+            return DONE
         scored = api.run(self.case, self.out, seeds=self.seeds, **self.options())
         print_score(scored)
         print(f"score:  {self.out / 'score.json'}")

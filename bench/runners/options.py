@@ -27,7 +27,7 @@ Jobs = Annotated[
         metavar="N",
         help_behavior_hint="",
         help=f"with slurm or dask, into how many jobs the work is cut ({JOBS}); each takes "
-        "--workers cores, one unless given",
+        "--workers cores, or --threads where frames are rendered, one unless given",
     ),
 ]
 Sbatch = Annotated[

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 from rich.console import Console
 
 from models.at_work import at_work
@@ -12,8 +14,18 @@ from renders.scenario.scenario import RenderRequest
 from renders.world.sun_paths import told
 
 
-def render_case(request: RenderRequest, console: Console | None = None) -> None:
+def render_case(
+    request: RenderRequest, console: Console | None = None, frames: Set[int] | None = None
+) -> None:
     """Render what a request asks for and is not there yet.
+
+    Parameters
+    ----------
+    request : RenderRequest
+    console : Console, optional
+        For progress.
+    frames : set of int, optional
+        These alone, and what is made of all exposures is left to who has them all.
 
     Raises
     ------
@@ -23,27 +35,32 @@ def render_case(request: RenderRequest, console: Console | None = None) -> None:
     case = CaseRendering(request)
     case.begin()
     with at_work(request.out, "render"):
-        _render(case, request, console)
+        _render(case, request, console, frames)
 
 
-def _render(case: CaseRendering, request: RenderRequest, console: Console | None) -> None:
+def _render(
+    case: CaseRendering, request: RenderRequest, console: Console | None, frames: Set[int] | None
+) -> None:
     case.start_renderer()
     console = console or plain_console(stderr=True)
     world = case.world
-    frames = "image pairs" if len(world.bands) > 1 else "images"
+    kind = "image pairs" if len(world.bands) > 1 else "images"
     console.print(
-        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {case.info.frames} {frames} at "
+        f"{world.scenario.name}, Sun {world.scenario.sun.default}: {case.info.frames} {kind} at "
         f"{world.camera.width} x {world.camera.height}, {case.variant}; "
         f"{len(case.there)} of {len(world.exposures)} exposures are there already; "
         f"{told(case.keys.sun_paths, len(world.suns))}",
         soft_wrap=True,
         markup=False,
     )
-    wanted = frozenset(case.left)
+    left = [each for each in case.left if frames is None or each.frame in frames]
+    wanted = frozenset(left)
     with render_progress(console) as track, case.claimed():
-        for exposure in track(case.left, "render"):
+        for exposure in track(left, "render"):
             case.take_in_hand(exposure)
             case.render(exposure, wanted)
+        if frames is not None:
+            return
         if request.seeds > 1:  # other runs want the light of every frame, not only its image
             for exposure in track(case.there, "light"):
                 case.take_in_hand(exposure)

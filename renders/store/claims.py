@@ -7,6 +7,7 @@ claim without a lock is only a record of which light was whose.
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import hashlib
 import json
@@ -16,6 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
 
 from models.atomic_file import write_text
 from models.errors import UnreadableError
@@ -129,7 +131,7 @@ def forget_claims_without_light(store: Path, keys: frozenset[str]) -> None:
 def _is_held(path: Path) -> bool:
     try:
         check_regular(path)  # to open a pipe is to wait
-        with path.open("rb") as file:
+        with _opened(path) as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (FileNotFoundError, UnreadableError):
         return False
@@ -138,3 +140,15 @@ def _is_held(path: Path) -> bool:
     except OSError:
         return time.time() - path.stat().st_mtime < AN_HOUR_S
     return False
+
+
+def _opened(path: Path) -> BinaryIO:
+    """Open a claim for writing if it may be: NFS locks nothing else for one alone."""
+    try:
+        return path.open("r+b")
+    except (PermissionError, IsADirectoryError):
+        return path.open("rb")
+    except OSError as error:
+        if error.errno != errno.EROFS:
+            raise
+        return path.open("rb")

@@ -1,8 +1,11 @@
 """A store keeps its budget: what was used longest ago goes, and nobody loses what he works on."""
 
+import errno
+import fcntl
 import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -223,6 +226,21 @@ def test_a_claim_lives_as_long_as_it_is_held(tmp_path: Path) -> None:
         assert live_claims(tmp_path, besides=path) == []
         with held(tmp_path, mine):  # a second run on the same dataset
             assert len(live_claims(tmp_path)) == 1
+    assert live_claims(tmp_path) == []
+
+
+def test_a_claim_is_asked_for_its_lock_as_nfs_wants_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """NFS locks a file for one alone only if it is open for writing, and says EBADF otherwise."""
+
+    def flock(file: Any, operation: int) -> None:
+        if operation & fcntl.LOCK_EX and fcntl.fcntl(file, fcntl.F_GETFL) & os.O_ACCMODE == 0:
+            raise OSError(errno.EBADF, "no lock on what is only read")
+
+    with held(tmp_path, claim(tmp_path, KEYS[:1], [])):
+        pass
+    monkeypatch.setattr("renders.store.claims.fcntl.flock", flock)
     assert live_claims(tmp_path) == []
 
 
