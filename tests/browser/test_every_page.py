@@ -90,7 +90,7 @@ def test_a_drag_and_keys_turn_the_globe_of_a_sweep_and_lead_to_a_frame(opened):
     own = opened("sweep", viewport={"width": 1000, "height": 900})
     globe = own.page.locator(".globe canvas")
     globe.scroll_into_view_if_needed()
-    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 8")
+    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 5")
     start, box = globe.get_attribute("data-view"), globe.bounding_box()
     x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
     own.page.mouse.move(x, y)
@@ -117,7 +117,7 @@ def test_a_click_on_the_globe_opens_the_frame_in_front(opened):
     own = opened("sweep", viewport={"width": 1000, "height": 900})
     globe = own.page.locator(".globe canvas")
     globe.scroll_into_view_if_needed()
-    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 8")
+    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 5")
     for _ in range(13):
         globe.press("ArrowUp")
     own.wait_for("() => document.querySelector('.globe canvas').dataset.view.endsWith(' 90.0')")

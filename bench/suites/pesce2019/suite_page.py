@@ -252,7 +252,7 @@ def _filters(outcomes: Outcomes, results: Results, behind: RunsOfCells) -> list[
     tracked = suite_tables.every_cell(results)
     if not tracked:
         return []
-    figures = ()
+    figures: tuple[Figure, ...] = ()
     if results.table6:
         figures = (_figure(suite_figures.consistency_figure(outcomes), "NEES over time"),)
     return [
