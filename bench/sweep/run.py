@@ -15,6 +15,7 @@ from rich.console import Console
 
 from bench.chains.catalogue import chain_named
 from bench.pictures.frame_record import pose_stood_by
+from bench.runners.chunks import Chunk, runs_in_order
 from bench.scoring.judgement import TrueScene
 from bench.scoring.limits import Limits
 from bench.sweep.folder import (
@@ -80,6 +81,25 @@ class SweepResult:
         return self.plan.map_pipeline.label
 
 
+@dataclass(frozen=True, eq=False)
+class BegunSweep:
+    """A sweep whose folder is there: what is to be done, and with what.
+
+    Attributes
+    ----------
+    plan : SweepPlan
+    works : list of PoseWork
+    store : RadianceStore
+    variant : str
+        The full name of Mitsuba's.
+    """
+
+    plan: SweepPlan
+    works: list[PoseWork]
+    store: RadianceStore
+    variant: str
+
+
 def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepResult:
     """Do what a request asks for and is not there yet.
 
@@ -89,6 +109,46 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
         Each says what to do; nothing already done is lost.
     """
     console = console or plain_console(stderr=True)
+    begun = begin_sweep(request, console)
+    with at_work(request.out, "sweep"):
+        return _swept(begun, console)
+
+
+def sweep_share(request: SweepRequest, chunk: Chunk, console: Console | None = None) -> None:
+    """Trace and take what is missing under a share of the Suns, and no more.
+
+    Parameters
+    ----------
+    request : SweepRequest
+    chunk : Chunk
+    console : Console, optional
+        For progress.
+
+    Raises
+    ------
+    ScenarioError, DatasetError, VariantError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    console = console or plain_console(stderr=True)
+    begun = begin_sweep(request, console)
+    own = runs_in_order(range(len(begun.plan.suns)), chunk.of)[chunk.number]
+    sweeper = Sweeper(begun.plan, begun.works, begun.variant, console, own)
+    with (
+        at_work(request.out, "sweep"),
+        Workers(begun.plan.workers) as workers,
+        begun.store.claimed(sweeper.claim()),
+    ):
+        sweeper.sweep(workers)
+
+
+def begin_sweep(request: SweepRequest, console: Console) -> BegunSweep:
+    """Resolve a request, and write the files that say what the folder is of.
+
+    Raises
+    ------
+    ScenarioError, DatasetError, VariantError, StorageError
+        Each says what to do; nothing was changed, or all that was is ours.
+    """
     plan = plan_sweep(request)
     check_folder(plan)
     plan = _without_eclipsed(plan, console)
@@ -105,15 +165,13 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
         for pose, world in zip(plan.poses, worlds, strict=True)
     ]
     write_asked(request.out, [shot for work in works for shot in work.every_shot])
-    with at_work(request.out, "sweep"):
-        return _swept(plan, works, store, variant, console)
+    return BegunSweep(plan, works, store, variant)
 
 
-def _swept(
-    plan: SweepPlan, works: list[PoseWork], store: RadianceStore, variant: str, console: Console
-) -> SweepResult:
+def _swept(begun: BegunSweep, console: Console) -> SweepResult:
+    plan, works, variant = begun.plan, begun.works, begun.variant
     sweeper = Sweeper(plan, works, variant, console)
-    with Workers(plan.workers) as workers, store.claimed(sweeper.claim()):
+    with Workers(plan.workers) as workers, begun.store.claimed(sweeper.claim()):
         sweeper.sweep(workers)
     truths = [sweeper.truth(work) for work in works]
     return SweepResult(
