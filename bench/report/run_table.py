@@ -65,7 +65,7 @@ def run_table(
         Words of each run, behind its numbers.
     first : str
         What the rows are.
-    numbers : sequence of int, optional
+    numbers : (runs,) int array or sequence, optional
         Theirs; from 0 on unless given.
     """
     named = np.arange(len(next(iter(columns.values())))) if numbers is None else numbers

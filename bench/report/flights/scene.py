@@ -46,7 +46,7 @@ def orbit_scene(
     estimates : mapping of str to mapping of int to Estimate
         Of run 0, by pipeline.
     true_place : callable
-        From a frame's record to the place, inertial, m; None where none is known.
+        From a frame's record to the place, (3,) array, inertial, m; None where none is known.
     """
     indices = records.dataset.indices
     step = -(-len(indices) // MOST_SKIES)
