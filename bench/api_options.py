@@ -58,6 +58,7 @@ class SweepOptions(TypedDict, total=False):
     exposure_ms: tuple[float, ...]
     lamp_w_sr: tuple[float, ...]
     pipeline: str
+    draws: int
     width: int | None
     spp: int | None
     marker_samples: int | None

@@ -20,5 +20,6 @@ CHAIN = replace(
     ),
     frame_rows=lazily("bench.scoring.navigated.parts:frame_rows"),
     report=lazily("bench.report.navigated.page:report"),
+    scene=lazily("bench.report.navigated.scene:scene"),
     trials=None,
 )

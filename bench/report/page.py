@@ -15,6 +15,7 @@ from bench.report.explorer.data import explorer_data
 from bench.report.explorer.inlined import Inlined, inlined, policy
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
 from bench.report.parts import Card, ReportInput, Section, TitledTable
+from bench.report.run_table import RunTable
 from bench.report.scenario_tables import scenario_tables
 from bench.report.table import TITLES, Table, check_table, lost_table, title_of
 from bench.scoring.score import read_score, shown_labels
@@ -88,8 +89,20 @@ def write_page(path: Path, page: Page) -> None:
         lstrip_blocks=True,
     )
     allowed = policy(() if page.explorer is None else page.explorer.scripts)
-    text = environment.get_template(TEMPLATE).render({**vars(page), "policy": allowed})
+    given = {**vars(page), "policy": allowed, "runs": _runs(page)}
+    text = environment.get_template(TEMPLATE).render(given)
     write_text(path, text)
+
+
+def _runs(page: Page) -> list[tuple[RunTable, str]]:
+    """Return the runs behind all cells, each with the table that it leads back to."""
+    sections = (*page.before, *page.after, *page.later)
+    tables = [page.headline, *(own.table for section in sections for own in section.tables)]
+    found: dict[str, tuple[RunTable, str]] = {}
+    for table in tables:
+        for runs in table.behind.values():
+            found.setdefault(runs.anchor, (runs, table.anchor))
+    return list(found.values())
 
 
 def write_report(folder: Path) -> Path:

@@ -44,6 +44,8 @@ class TitledTable:
         Whether it needs all of the page.
     heading, folded : bool
         Whether the title stands above it, or hides it until it is asked for.
+    prose : bool
+        Whether its last column is sentences.
     """
 
     title: str
@@ -51,6 +53,7 @@ class TitledTable:
     wide: bool = False
     heading: bool = False
     folded: bool = False
+    prose: bool = False
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ class SceneAddition:
     clouds : mapping of str to (n, 3) array, m
         Points of the target that it ends with, true axes.
     orbit : OrbitScene or None
-        Drawn instead of a target.
+        Drawn beside a target, or alone.
     """
 
     true_from_own: Mapping[str, Floats] = field(default_factory=dict)

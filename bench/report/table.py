@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from bench.report.numbers import NONE, count, number, share
 from bench.scoring.judgement import without_numbers
 from bench.scoring.score import shown_labels
+
+if TYPE_CHECKING:  # it is made of tables itself
+    from bench.report.run_table import RunTable
 
 Score = dict[str, Any]
 MOST_LISTED = 10
@@ -28,12 +32,21 @@ class Table:
         What a first cell means, by its text: shown when pointed at.
     sections : dict
         Titles that stand before the row of a given number.
+    behind : mapping of (int, int) to RunTable
+        The runs that a cell is of, by row and column.
     """
 
     head: list[str]
     rows: list[list[str]]
     terms: dict[str, str]
     sections: dict[int, str]
+    behind: Mapping[tuple[int, int], RunTable] = field(default_factory=dict)
+
+    @property
+    def anchor(self) -> str:
+        """Where it stands in a page; empty where nothing leads back to it."""
+        told = repr((self.head, self.rows, self.sections)).encode()
+        return f"table-{hashlib.sha256(told).hexdigest()[:12]}" if self.behind else ""
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,11 @@ class TimePlot:
     unit: str
     lines: tuple[TimeLine, ...]
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no line has a value at any frame."""
+        return all(value is None for line in self.lines for value in line.values)
+
 
 def values_of(score: dict[str, Any], label: str, *keys: str | int) -> list[float | None]:
     """Return one number of every frame of a pipeline, as ``score.json`` has it.

@@ -52,7 +52,9 @@ class Extreme:
 
 
 def told(row: Row) -> str:
-    """Return what came of a row, in a line."""
+    """Return what came of a row, in a line: over its draws where there are several."""
+    if row.draws > 1:
+        return _told_of_draws(row)
     markers = f"{row.found} of {row.expected} markers or landmarks"
     if row.position_error_mm is None:
         return f"no pose: {row.reason}; {markers} found"
@@ -63,10 +65,26 @@ def told(row: Row) -> str:
     )
 
 
+def _told_of_draws(row: Row) -> str:
+    words = [f"{number(row.draws_found / row.draws)} of {row.expected} markers or landmarks found"]
+    if row.position_rms_mm is not None:
+        words.append(
+            f"position off by {number(row.position_rms_mm)} mm rms "
+            f"({number(row.position_least_mm)} to {number(row.position_most_mm)}), attitude by "
+            f"{number(row.attitude_rms_deg)} deg"
+        )
+    for count, what in ((row.draws_without_pose, "no pose"), (row.draws_wrong, "a wrong pose")):
+        if count:
+            words.insert(0, f"{what} in {count} of {row.draws} draws")
+    if row.reason:
+        words.append(f"the first: {row.reason}")
+    return f"{row.draws} draws: {'; '.join(words)}"
+
+
 def ranked(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     """Return the kindest directions, best first, and the harshest, worst first; no row twice.
 
-    One draw of noise does not rank; see ``Row.harshness``.
+    See ``Row.harshness``.
     """
     ordered = sorted(rows, key=lambda row: row.harshness)
     each = min(OF_EACH, len(ordered) // 2) or len(ordered)

@@ -109,7 +109,7 @@ def _errors(rows: list[Row]) -> tuple[str, str]:
 
 def _thumbnails(result: SweepResult, setting: Setting, rows: list[Row]) -> list[np.ndarray]:
     records = (read_shot(result.plan.request.out, result.shots[setting, r.sun_text]) for r in rows)
-    return [record.thumbnail for record in records if record is not None]
+    return [each.thumbnail for each in records if each is not None and each.thumbnail is not None]
 
 
 def _sweep_away(out: Path) -> None:

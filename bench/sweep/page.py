@@ -19,18 +19,19 @@ from bench.report.filmstrip import jpeg
 from bench.report.numbers import number
 from bench.sweep.extremes import Extreme, told
 from bench.sweep.run import SweepResult
-from bench.sweep.sun_map import MEANINGS, SunMap
+from bench.sweep.sun_map import FRAME_COLOURS, MEANINGS, SunMap
 from bench.sweep.table import VERDICTS, Row, Setting, saturated, setting_of
 from models.atomic_file import write_text
 
-TEMPLATE = "page.html.jinja"
+TEMPLATE, GLOBE = "page.html.jinja", "globe.js"
 STYLES = Path(__file__).parent.parent / "report"
 OTHER_MAPS_PX = 1100  # width of all maps but the first, which lie at full size beside the page
 MOST_FRAMES = 600  # small frames on the page, beyond those of the first map
 MOST_ROWS = 1000  # of the table on the page; the CSV has them all
 HEAD = (
     "Sun, az/el deg", "verdict", "found", "in the Sun", "position, mm", "x", "y", "z",
-    "attitude, deg", "saturated, %", "reason",
+    "attitude, deg", "saturated, %", "draws: position, mm rms", "least", "most", "without pose",
+    "wrong", "reason",
 )  # fmt: skip
 
 
@@ -87,10 +88,13 @@ def _context(
         for setting in result.settings
     ]
     frames = np.cumsum([len(each.rows) for each in maps])
+    globe = (Path(__file__).parent / GLOBE).read_text()
     with_frames = set(np.flatnonzero(frames <= MOST_FRAMES).tolist()) | {0}
     return {
         "title": title,
-        "policy": policy(()),
+        "policy": policy((globe,)),
+        "script": globe,
+        "draws": max(row.draws for row in own),
         "scenario": scenario,
         "camera": scenario.simulated_camera,
         "pipeline": result.map_pipeline,
@@ -138,6 +142,9 @@ def _tiles(own: MapOnPage) -> list[dict[str, Any]]:
             "verdict": f"{row.verdict}: {told(row)}",
             "lost": row.verdict == "no pose",
             "box": box,
+            "azimuth_deg": f"{row.azimuth_deg:.4f}",
+            "elevation_deg": f"{row.elevation_deg:.4f}",
+            "colour": FRAME_COLOURS[row.verdict],
             "source": jpeg(_rgb(thumbnail)),
         }
         for row, thumbnail, box in zip(own.rows, own.thumbnails, own.drawn.boxes, strict=True)
@@ -181,6 +188,9 @@ def _cells(row: Row) -> list[str]:
         *(number(value, signed=True) for value in signed),
         number(row.attitude_error_deg),
         number(saturated(row)),
+        *(number(mm) for mm in (row.position_rms_mm, row.position_least_mm, row.position_most_mm)),
+        f"{row.draws_without_pose} of {row.draws}",
+        f"{row.draws_wrong} of {row.draws}",
         row.reason,
     ]
 

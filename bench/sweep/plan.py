@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from bench.chains.catalogue import chain_named
 from bench.estimating.contenders import Contender, contenders
+from bench.estimating.runs import PREFERRED
 from models.errors import ScenarioError
 from models.lights.sun_grid import NamedSun, chosen_suns, sun_grid
 from models.reading.options import check_option
@@ -26,6 +27,7 @@ from renders.world.world import World
 DEFAULT_STEP_DEG = 15.0
 DEFAULT_WIDTH_PX = 1024  # a survey of hundreds of Suns; a case with fewer columns keeps its own
 DEFAULT_MEMORY_GB = 4.0
+DEFAULT_DRAWS, MOST_DRAWS = 5, 1000
 RANGE_STEP_S = 10.0  # the range falls by 0.15 m meanwhile; within less it never rises and falls
 EXPOSURE_MS, LAMP_W_SR = (1e-4, 1e5), (1e-6, 1e6)  # as a scenario's
 MOST_MARKER_SAMPLES, MOST_MEMORY_GB = 65_536, 1e5
@@ -53,6 +55,8 @@ class SweepRequest:
         Exposure times and lamp powers to try with every pose and Sun; the case's own if empty.
     pipeline : str
         Label or name of a pipeline; ``both`` variants of the house's.
+    draws : int
+        Times that each frame is exposed anew, as so many runs, by the pipeline that the maps show.
     width, spp, marker_samples : int, optional
     variant : str
         How Mitsuba computes: auto, llvm, cuda or scalar.
@@ -73,6 +77,7 @@ class SweepRequest:
     exposure_ms: tuple[float, ...] = ()
     lamp_w_sr: tuple[float, ...] = ()
     pipeline: str = "both"
+    draws: int = DEFAULT_DRAWS
     width: int | None = None
     spp: int | None = None
     marker_samples: int | None = None
@@ -127,6 +132,12 @@ class SweepPlan:
     suns_in_a_pass: int
     store_bytes: float
 
+    @property
+    def map_pipeline(self) -> Contender:
+        """The pipeline whose results the maps show."""
+        by_label = {each.label: each for each in self.pipelines}
+        return by_label.get(PREFERRED, self.pipelines[0])
+
 
 def plan_sweep(request: SweepRequest) -> SweepPlan:
     """Resolve a request, and refuse what cannot be done before anything is.
@@ -147,6 +158,7 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
     if request.width is None and scenario.simulated_camera.width > DEFAULT_WIDTH_PX:
         scenario = resolve(replace(asked, width=DEFAULT_WIDTH_PX))
     check_option("--marker-samples", request.marker_samples, 1, MOST_MARKER_SAMPLES, whole=True)
+    check_option("--draws", request.draws, 1, MOST_DRAWS, whole=True)
     check_option("--memory-gb", request.memory_gb, 0.0, MOST_MEMORY_GB)
     for exposure_ms in request.exposure_ms:
         check_option("--exposure-ms", exposure_ms, *EXPOSURE_MS)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
-from bench.sweep.folder import (
-    depth_path,
-)
+from bench.sweep.folder import depth_path
 from bench.sweep.plan import SweepPlan, SweepPose, has_lamps
 from bench.sweep.shots import Shot, read_shot
 from bench.sweep.table import Setting
@@ -28,21 +26,34 @@ class PoseWork:
     ----------
     pose : SweepPose
     light : PoseLight
-    onboard : OnboardKnowledge
+    onboards : tuple of OnboardKnowledge
+        By draw.
     settings : list of Setting
     shots : list of lists of Shot
         By Sun, then as ``settings``.
+    again : list of lists of lists of Shot
+        The same light drawn anew, by Sun, setting and draw; for the maps' pipeline alone.
     """
 
     pose: SweepPose
     light: PoseLight
-    onboard: OnboardKnowledge
+    onboards: tuple[OnboardKnowledge, ...]
     settings: list[Setting]
     shots: list[list[Shot]]
+    again: list[list[list[Shot]]]
+
+    @property
+    def every_shot(self) -> list[Shot]:
+        """All shots under all Suns."""
+        return [shot for sun in range(len(self.shots)) for shot in self.shots_under(sun)]
+
+    def shots_under(self, sun: int) -> list[Shot]:
+        """Return the shots under one Sun, those of the first draw first."""
+        return [*self.shots[sun], *(shot for own in self.again[sun] for shot in own)]
 
     def missing_shots(self, out: Path, sun: int) -> list[Shot]:
         """Return the shots under one Sun that have not been taken."""
-        return [shot for shot in self.shots[sun] if read_shot(out, shot) is None]
+        return [shot for shot in self.shots_under(sun) if read_shot(out, shot) is None]
 
 
 def pose_work(
@@ -60,11 +71,11 @@ def pose_work(
     variant : str
         The full name of Mitsuba's.
     """
-    onboard = world.onboard(run=0)
+    onboards = tuple(world.onboard(run=run) for run in range(plan.request.draws))
     keys = LightKeys(world, "scalar" if variant.startswith("scalar") else "jit")
     light = PoseLight(Studio(world, store, keys, world.target.markers), plan.suns)
     own_lamps_w_sr = plan.scenario.lamps.intensity_w_sr if has_lamps(world) else 0.0
-    own_ms = world.frame_entries(onboard.prior)[0].exposure_ms
+    own_ms = world.frame_entries(onboards[0].prior)[0].exposure_ms
     settings = [
         Setting(pose.time_s, pose.range_m, exposure_ms, lamp_w_sr)
         for exposure_ms, lamp_w_sr in product(
@@ -89,4 +100,12 @@ def pose_work(
         ]
         for number, sun in enumerate(plan.suns)
     ]
-    return PoseWork(pose, light, onboard, settings, shots)
+    shown = (plan.map_pipeline,)
+    again = [
+        [
+            [replace(shot, run=run, pipelines=shown) for run in range(1, plan.request.draws)]
+            for shot in own
+        ]
+        for own in shots
+    ]
+    return PoseWork(pose, light, onboards, settings, shots, again)

@@ -14,8 +14,8 @@ from typing import Any
 from rich.console import Console
 
 from bench.chains.catalogue import chain_named
-from bench.estimating.runs import PREFERRED
 from bench.pictures.frame_record import pose_stood_by
+from bench.runners.chunks import Chunk, runs_in_order
 from bench.scoring.judgement import TrueScene
 from bench.scoring.limits import Limits
 from bench.sweep.folder import (
@@ -26,7 +26,7 @@ from bench.sweep.folder import (
 )
 from bench.sweep.plan import SweepPlan, SweepRequest, plan_sweep
 from bench.sweep.pose_work import PoseWork, pose_work
-from bench.sweep.shots import Shot, read_shot
+from bench.sweep.shots import Shot, ShotRecord, read_shot
 from bench.sweep.stages import Sweeper
 from bench.sweep.table import Row, Setting, judged_row
 from bench.sweep.workers import Workers
@@ -78,8 +78,26 @@ class SweepResult:
     @property
     def map_pipeline(self) -> str:
         """The pipeline whose results the maps show."""
-        chosen = [each.label for each in self.plan.pipelines]
-        return PREFERRED if PREFERRED in chosen else chosen[0]
+        return self.plan.map_pipeline.label
+
+
+@dataclass(frozen=True, eq=False)
+class BegunSweep:
+    """A sweep whose folder is there: what is to be done, and with what.
+
+    Attributes
+    ----------
+    plan : SweepPlan
+    works : list of PoseWork
+    store : RadianceStore
+    variant : str
+        The full name of Mitsuba's.
+    """
+
+    plan: SweepPlan
+    works: list[PoseWork]
+    store: RadianceStore
+    variant: str
 
 
 def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepResult:
@@ -91,6 +109,46 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
         Each says what to do; nothing already done is lost.
     """
     console = console or plain_console(stderr=True)
+    begun = begin_sweep(request, console)
+    with at_work(request.out, "sweep"):
+        return _swept(begun, console)
+
+
+def sweep_share(request: SweepRequest, chunk: Chunk, console: Console | None = None) -> None:
+    """Trace and take what is missing under a share of the Suns, and no more.
+
+    Parameters
+    ----------
+    request : SweepRequest
+    chunk : Chunk
+    console : Console, optional
+        For progress.
+
+    Raises
+    ------
+    ScenarioError, DatasetError, VariantError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    console = console or plain_console(stderr=True)
+    begun = begin_sweep(request, console)
+    own = runs_in_order(range(len(begun.plan.suns)), chunk.of)[chunk.number]
+    sweeper = Sweeper(begun.plan, begun.works, begun.variant, console, own)
+    with (
+        at_work(request.out, "sweep"),
+        Workers(begun.plan.workers) as workers,
+        begun.store.claimed(sweeper.claim()),
+    ):
+        sweeper.sweep(workers)
+
+
+def begin_sweep(request: SweepRequest, console: Console) -> BegunSweep:
+    """Resolve a request, and write the files that say what the folder is of.
+
+    Raises
+    ------
+    ScenarioError, DatasetError, VariantError, StorageError
+        Each says what to do; nothing was changed, or all that was is ours.
+    """
     plan = plan_sweep(request)
     check_folder(plan)
     plan = _without_eclipsed(plan, console)
@@ -106,16 +164,14 @@ def run_sweep(request: SweepRequest, console: Console | None = None) -> SweepRes
         pose_work(plan, pose, world, store, variant)
         for pose, world in zip(plan.poses, worlds, strict=True)
     ]
-    write_asked(request.out, [shot for work in works for own in work.shots for shot in own])
-    with at_work(request.out, "sweep"):
-        return _swept(plan, works, store, variant, console)
+    write_asked(request.out, [shot for work in works for shot in work.every_shot])
+    return BegunSweep(plan, works, store, variant)
 
 
-def _swept(
-    plan: SweepPlan, works: list[PoseWork], store: RadianceStore, variant: str, console: Console
-) -> SweepResult:
+def _swept(begun: BegunSweep, console: Console) -> SweepResult:
+    plan, works, variant = begun.plan, begun.works, begun.variant
     sweeper = Sweeper(plan, works, variant, console)
-    with Workers(plan.workers) as workers, store.claimed(sweeper.claim()):
+    with Workers(plan.workers) as workers, begun.store.claimed(sweeper.claim()):
         sweeper.sweep(workers)
     truths = [sweeper.truth(work) for work in works]
     return SweepResult(
@@ -127,7 +183,7 @@ def _swept(
             for sun, shots in zip(plan.suns, work.shots, strict=True)
             for setting, shot in zip(work.settings, shots, strict=True)
         },
-        onboard={work.pose.time_s: work.onboard for work in works},
+        onboard={work.pose.time_s: work.onboards[0] for work in works},
         frame=sweeper.frame,
         provenance=provenance(world_of(plan.scenario), variant),
     )
@@ -164,26 +220,39 @@ def _rows(plan: SweepPlan, works: list[PoseWork], truths: list[PoseTruth]) -> li
         judge_alone = chain_named(world.chain).judge_alone
         assert judge_alone is not None, "the plan has asked"
         limits = Limits(**plan.scenario.limits.model_dump())
-        scene = TrueScene(world.camera, world.target.markers, work.onboard, limits)
+        scenes = [
+            TrueScene(world.camera, world.target.markers, onboard, limits)
+            for onboard in work.onboards
+        ]
         for place, setting in enumerate(work.settings):
             for number, sun in enumerate(plan.suns):
-                record = read_shot(plan.request.out, work.shots[number][place])
-                if record is None:
-                    raise StorageError(
-                        f"expected to read back what was just written to {plan.request.out}/shots, "
-                        "got nothing or something else; run the same command again"
-                    )
-                was = truth[sun.text]
+                shot, *again = work.shots[number][place], *work.again[number][place]
+                record, was = _taken(plan, shot), truth[sun.text]
+                drawn = [
+                    judge_alone(said, was, scenes[other.run])
+                    for other in again
+                    for said in _taken(plan, other).estimates.values()
+                ]
                 for label, said in record.estimates.items():
-                    judged = judge_alone(said, was, scene)
-                    pose = pose_stood_by(said, work.onboard)
+                    judged = judge_alone(said, was, scenes[0])
+                    pose = pose_stood_by(said, work.onboards[0])
                     along_m = (
                         None if pose is None else pose.translation - was.cam_from_target.translation
                     )
-                    rows.append(
-                        judged_row(sun, setting, label, judged, along_m, record.saturated_percent)
-                    )
+                    others = drawn if label == plan.map_pipeline.label else []
+                    share = record.saturated_percent
+                    rows.append(judged_row(sun, setting, label, judged, along_m, share, others))
     return rows
+
+
+def _taken(plan: SweepPlan, shot: Shot) -> ShotRecord:
+    record = read_shot(plan.request.out, shot)
+    if record is None:
+        raise StorageError(
+            f"expected to read back what was just written to {plan.request.out}/shots, got nothing "
+            "or something else; run the same command again"
+        )
+    return record
 
 
 def about(result: SweepResult) -> dict[str, Any]:
@@ -197,5 +266,6 @@ def about(result: SweepResult) -> dict[str, Any]:
         "suns": len(result.plan.suns),
         "pipelines": [each.label for each in result.plan.pipelines],
         "map_pipeline": result.map_pipeline,
+        "draws": result.plan.request.draws,
         "provenance": result.provenance,
     }

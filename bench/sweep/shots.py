@@ -2,8 +2,8 @@
 
 Shots are taken in worker processes. A pipeline gets the frame and what is on board as drawn; truth
 stays with whoever judges. No Mitsuba is loaded. What a shot came to is kept as
-``DIR/shots/KEY.json`` with ``KEY.png``, its last image small; the key is the hash of all that
-shaped it.
+``DIR/shots/KEY.json``, of run 0 with ``KEY.png``, its last image small; the key is the hash of all
+that shaped it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,6 @@ from renders.world.build import world_of
 
 SHOT_FORMAT, SHOT_VERSION = "rvbench-shot", 2
 THUMBNAIL_PX = 256
-RUN = 0  # whose detector noise and prior: those of `rvbench run`
 
 
 @dataclass(frozen=True)
@@ -63,6 +62,8 @@ class Shot:
         To ask.
     depth : dict of int to Path
         Where each band's depth lies; empty for a lens that is sharp at any depth.
+    run : int
+        Whose detector noise, prior and other draws: those of `rvbench run --seeds`.
     """
 
     scenario: Scenario
@@ -72,11 +73,12 @@ class Shot:
     lamp_factor: float
     pipelines: tuple[Contender, ...]
     depth: Mapping[int, Path]
+    run: int = 0
 
     @cached_property
     def key(self) -> str:
         """Hash of all of it but the places of files."""
-        shaping = {
+        shaping: dict[str, object] = {
             "format": [SHOT_FORMAT, SHOT_VERSION, THUMBNAIL_PX],
             "scenario": self.scenario.fingerprint(),
             "light": {str(band): dict(keys) for band, keys in self.light.items()},
@@ -84,6 +86,8 @@ class Shot:
             "lamp_factor": self.lamp_factor,
             "pipelines": {each.label: each.settings for each in self.pipelines},
         }
+        if self.run:
+            shaping["run"] = self.run
         return hashlib.sha256(json.dumps(shaping, sort_keys=True).encode()).hexdigest()
 
 
@@ -97,23 +101,24 @@ class ShotRecord:
         By pipeline variant.
     saturated_percent : dict of str to float
         Share of the pixels at the full well or the converter's end, within their noise, by stream.
-    thumbnail : (n, n) uint8 array
-        The last image, small, stretched as everywhere (``bench.pictures.stretch``).
+    thumbnail : (n, n) uint8 array or None
+        The last image, small, stretched as everywhere (``bench.pictures.stretch``); of run 0 alone.
     """
 
     estimates: dict[str, Estimate]
     saturated_percent: dict[str, float]
-    thumbnail: NDArray[np.uint8]
+    thumbnail: NDArray[np.uint8] | None
 
 
-def take_shots(shots: Sequence[Shot], onboard: OnboardKnowledge, out: Path) -> bool:
+def take_shots(shots: Sequence[Shot], onboards: Sequence[OnboardKnowledge], out: Path) -> bool:
     """Take shots of one pose under one Sun, and keep what they came to in ``out/shots``.
 
     Parameters
     ----------
     shots : sequence of Shot
         At least one; all under the same light.
-    onboard : OnboardKnowledge
+    onboards : sequence of OnboardKnowledge
+        By run.
     out : Path
         The sweep's folder.
 
@@ -126,7 +131,7 @@ def take_shots(shots: Sequence[Shot], onboard: OnboardKnowledge, out: Path) -> b
     if light is None:
         return False
     for shot in shots:
-        frame = exposed(shot, light)
+        frame, onboard = exposed(shot, light), onboards[shot.run]
         with Guards(list(shot.pipelines), onboard, None) as guarded:
             said = {label: one.process(frame).estimate for label, one in guarded.items()}
         _write(out, shot, frame, said, needed(onboard.detector, "detector.toml", "a sweep"))
@@ -171,11 +176,11 @@ def exposed(shot: Shot, light: Mapping[int, Mapping[LightGroup, Radiance]]) -> F
             for group, radiance in light[exposure.band].items()
         }
         depth_m = _depth_m(shot, exposure.band)
-        image = compose(world, groups, exposure, shot.exposure_ms, RUN, depth_m)
+        image = compose(world, groups, exposure, shot.exposure_ms, shot.run, depth_m)
         readings[stream.name] = ImageReading(image, exposure.time_s, shot.exposure_ms)
     time_s = world.scenario.times_s[0]
     for sensor in world.tables:
-        readings[sensor.name] = sensor.reading(0, time_s, -np.inf, RUN)
+        readings[sensor.name] = sensor.reading(0, time_s, -np.inf, shot.run)
     return Frame(0, time_s, readings)
 
 
@@ -203,6 +208,8 @@ def read_shot(out: Path, shot: Shot) -> ShotRecord | None:
             for each in shot.pipelines
         }
         saturated = {str(stream): float(x) for stream, x in record["saturated_percent"].items()}
+        if shot.run:
+            return ShotRecord(estimates, saturated, None)
         data = np.frombuffer(read_bytes(path.with_suffix(".png")), np.uint8)
     except (DatasetError, ValueError, KeyError, TypeError):
         return None
@@ -263,8 +270,9 @@ def _write(
 ) -> None:
     path = shot_path(out, shot)
     images = images_of(frame)
-    small = picture(list(images.values())[-1], detector, THUMBNAIL_PX)
-    write_bytes(path.with_suffix(".png"), encoded_png(small))
+    if shot.run == 0:
+        small = picture(list(images.values())[-1], detector, THUMBNAIL_PX)
+        write_bytes(path.with_suffix(".png"), encoded_png(small))
     full_dn = detector.saturation_dn - 3.0 * detector.read_noise_e / detector.gain_e_dn - 1.0
     record = {
         "format": SHOT_FORMAT,

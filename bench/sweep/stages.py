@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from time import perf_counter
 
@@ -33,16 +33,34 @@ MOST_ROUNDS = 3  # of tracing what another process took out of the store meanwhi
 
 
 class Sweeper:
-    """Does the two stages, batch by batch."""
+    """Does the two stages, batch by batch.
+
+    Parameters
+    ----------
+    plan : SweepPlan
+    works : list of PoseWork
+    variant : str
+        The full name of Mitsuba's.
+    console : Console
+        For progress.
+    suns : collection of int, optional
+        The Suns whose shots are taken; all unless given.
+    """
 
     def __init__(
-        self, plan: SweepPlan, works: list[PoseWork], variant: str, console: Console
+        self,
+        plan: SweepPlan,
+        works: list[PoseWork],
+        variant: str,
+        console: Console,
+        suns: Collection[int] | None = None,
     ) -> None:
         self.plan = plan
         self.out = plan.request.out
         self.works = works
         self.variant = variant
         self.console = console
+        self.suns = range(len(plan.suns)) if suns is None else sorted(suns)
 
     def claim(self) -> Claim:
         """Return what the sweep uses of the store: another tracing brings any of it back."""
@@ -70,9 +88,7 @@ class Sweeper:
         damaged = self._damaged(workers)
         steps: list[tuple[PoseWork, list[Batch]]] = []
         for work in self.works:
-            needed = [
-                sun for sun in range(len(self.plan.suns)) if work.missing_shots(self.out, sun)
-            ]
+            needed = [sun for sun in self.suns if work.missing_shots(self.out, sun)]
             steps.append((work, self._batches(work, needed, damaged)))
         totals = {
             LIGHT: sum(len(batch.groups) for _, batches in steps for batch in batches),
@@ -107,7 +123,7 @@ class Sweeper:
 
     def _announce(self, totals: dict[str, int], damaged: int) -> None:
         camera = self.plan.scenario.simulated_camera
-        shots = sum(len(own) for work in self.works for own in work.shots)
+        shots = sum(len(work.every_shot) for work in self.works)
         again = f", {damaged} of it damaged in the store" if damaged else ""
         self.console.print(
             f"{self.plan.scenario.name}: {len(self.plan.suns)} Suns, {len(self.works)} "
@@ -137,7 +153,9 @@ class Sweeper:
         hurt = [
             sun
             for sun, own in enumerate(light.groups_of_sun)
-            if sun not in set(needed) and any(each.key in damaged for each in own)
+            if sun in self.suns
+            and sun not in set(needed)
+            and any(each.key in damaged for each in own)
         ]
         absent = {
             each.key
@@ -192,7 +210,7 @@ class Sweeper:
     ) -> list[int]:
         """Take the shots under some Suns; return the Suns whose light was not there after all."""
         missing = {sun: shots for sun in suns if (shots := work.missing_shots(self.out, sun))}
-        tasks = [(shots, work.onboard, self.out) for shots in missing.values()]
+        tasks = [(shots, work.onboards, self.out) for shots in missing.values()]
         lost, before = [], perf_counter()
         for number, taken in workers.run(take_shots, tasks):
             sun = list(missing)[number]

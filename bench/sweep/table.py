@@ -14,6 +14,7 @@ import re
 import sys
 import types
 import typing
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -31,7 +32,7 @@ from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
 from models.reading.regular_file import read_lines
 
-TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 2
+TABLE_FORMAT, TABLE_VERSION = "rvbench-sweep", 3
 LARGEST = sys.float_info.max  # any number that is one
 MOST_COUNTED = 1_000_000
 
@@ -72,6 +73,15 @@ class Row:
         Along the camera's axes.
     reason : str
         Why there is no pose.
+    draws : int
+        How often detector noise, first pose and what is told were drawn, this row the first time.
+    draws_without_pose, draws_wrong : int
+        Draws that gave no pose, or a wrong one.
+    draws_found : int
+        Markers truly found, all draws together.
+    position_rms_mm, position_least_mm, position_most_mm : float or None, mm
+        Root mean square, least and largest error of the draws with a pose.
+    attitude_rms_deg : float or None, deg
     saturated_percent : dict of str to float, %
         Of the pixels, by image stream; in a table the columns ``saturated_STREAM_percent``.
     """
@@ -98,21 +108,29 @@ class Row:
     error_y_mm: float | None
     error_z_mm: float | None
     reason: str
+    draws: int
+    draws_without_pose: int
+    draws_wrong: int
+    draws_found: int
+    position_rms_mm: float | None
+    position_least_mm: float | None
+    position_most_mm: float | None
+    attitude_rms_deg: float | None
     saturated_percent: dict[str, float]
 
     @property
     def harshness(self) -> tuple[float, ...]:
         """What orders rows from kind to harsh: no pose, a wrong one, markers missed, the error.
 
-        Of errors the one expected comes first: the error itself is one draw of noise and prior.
+        All of it in the mean over the draws. The error of a single draw orders nothing: then the
+        one that the pipeline expects stands for it.
         """
-        missed = float(self.expected - self.found)
-        if self.position_error_mm is None:
-            return (2.0, missed, -float(self.used), 0.0)
-        if self.verdict == "wrong pose":
-            return (1.0, self.position_error_mm, 0.0, 0.0)
-        expected_mm = np.inf if self.position_sigma_mm is None else self.position_sigma_mm
-        return (0.0, missed, expected_mm, self.position_error_mm)
+        lost, wrong = 2.0 * self.draws_without_pose / self.draws, self.draws_wrong / self.draws
+        missed = self.expected - self.draws_found / self.draws
+        if self.position_rms_mm is None:
+            return (lost + wrong, missed, -float(self.used))
+        size_mm = self.position_sigma_mm if self.draws == 1 else self.position_rms_mm
+        return (lost + wrong, missed, np.inf if size_mm is None else size_mm)
 
 
 @dataclass(frozen=True)
@@ -148,6 +166,7 @@ def judged_row(
     judged: Judgement,
     along_m: Floats | None,
     saturated_percent: dict[str, float],
+    again: Sequence[Judgement] = (),
 ) -> Row:
     """Return the row of one judged estimate.
 
@@ -161,6 +180,8 @@ def judged_row(
         Estimate minus truth along the camera's axes.
     saturated_percent : dict of str to float
         Of all pixels, by image stream.
+    again : sequence of Judgement
+        Of the other draws.
     """
     counts = judged.counts
     verdict: Verdict = "all found" if counts.found == counts.expected else "some missed"
@@ -189,8 +210,28 @@ def judged_row(
         error_y_mm=along_mm[1],
         error_z_mm=along_mm[2],
         reason=judged.estimate.reason or "",
+        **_over_draws([judged, *again]),
         saturated_percent=saturated_percent,
     )
+
+
+def _over_draws(drawn: Sequence[Judgement]) -> dict[str, Any]:
+    errors_mm = [1e3 * each.position_m for each in drawn if each.position_m is not None]
+    turns_deg = [each.attitude_deg for each in drawn if each.attitude_deg is not None]
+    return {
+        "draws": len(drawn),
+        "draws_without_pose": sum(each.position_m is None for each in drawn),
+        "draws_wrong": sum(each.position_m is not None and each.wrong for each in drawn),
+        "draws_found": sum(each.counts.found for each in drawn),
+        "position_rms_mm": _rms(errors_mm),
+        "position_least_mm": min(errors_mm, default=None),
+        "position_most_mm": max(errors_mm, default=None),
+        "attitude_rms_deg": _rms(turns_deg),
+    }
+
+
+def _rms(values: Sequence[float]) -> float | None:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else None
 
 
 def _flat(row: Row) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import SweepOptions
-from bench.verbs import DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
+from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress
+from bench.verbs import ALONE, DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
 from models.plain_console import plain_console
 
 Numbers = Annotated[tuple[float, ...], arg(metavar="NUMBER ...", help_behavior_hint="")]
@@ -32,6 +33,10 @@ class Sweep:
 
     Stop it anywhere: what is there is kept, and the same command goes on from there. In the same
     DIR other Suns, poses, exposures and lamp powers of the case may follow.
+
+    With --runner slurm or dask, jobs on other machines each take a share of the Suns, into DIR and
+    the store, which they must see; this command waits for them and draws the maps.
+    docs/clusters.md tells more.
     """
 
     case: Positional[Case]
@@ -54,6 +59,9 @@ class Sweep:
     """powers of the 800 and 850 nm lamps to try, on axis; the exposure time does not follow them"""
     pipeline: Annotated[str, arg(metavar="both|NAME")] = "both"
     """pipeline to try: both variants of ours, or one by name; the maps show best if it is there"""
+    draws: Annotated[int, arg(metavar="N")] = 5
+    """times that each frame is exposed, each with noise and a first pose of its own, for the
+    pipeline that the maps show; they rank the kindest and the harshest Suns, and cost no light"""
     width: OptionalCount = None
     """columns of the image, the field of view stays; 1024 unless given or the case has fewer"""
     spp: OptionalCount = None
@@ -70,10 +78,22 @@ class Sweep:
     """cores to use; all unless given"""
     memory_gb: Annotated[float, arg(metavar="NUMBER")] = 4.0
     """memory that the rendering process may take, in GiB: it sets how many Suns share a pass"""
+    runner: RunnerName = "local"
+    jobs: Jobs = None
+    sbatch: Sbatch = ()
+    scheduler: SchedulerAddress = None
+    chunk: ChunkText = None
 
     def run(self) -> int:
         """Sweep, and say what came of it."""
         out = self.out or Path("out") / f"sweep-{Path(self.case).stem}"
+        if (self.runner, self.jobs, self.sbatch, self.scheduler, self.chunk) != ALONE:
+            from bench.sweep.shared_suns import swept_share
+
+            chunk = swept_share(self, out)
+            if chunk is not None:
+                print(f"chunk {chunk}: done, into {out}")
+                return DONE
         result, files = api.sweep(self.case, out, **self.options())
         from bench.sweep.outcome import print_sweep
 
@@ -94,6 +114,7 @@ class Sweep:
             "exposure_ms": self.exposure_ms,
             "lamp_w_sr": self.lamp_w_sr,
             "pipeline": self.pipeline,
+            "draws": self.draws,
             "width": self.width,
             "spp": self.spp,
             "marker_samples": self.marker_samples,

@@ -16,7 +16,7 @@ FLAGS = ("--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader")  # fmt: skip
 STOPPED_MS = 600e3  # a page that has not answered by then never will, however busy the machine is
 SHOWS_IT = """frame =>
-  ['picture', 'scene'].map(name => document.getElementById(`explorer-${name}`))
+  ['picture', 'scene', 'orbit'].map(name => document.getElementById(`explorer-${name}`))
     .filter(home => !home.hidden)
     .every(home => home.querySelector('canvas').dataset.frame === frame)
   && document.querySelectorAll('.now').length > 0
@@ -86,7 +86,11 @@ class Opened:
         return self.page.locator(f"#explorer-{name} canvas").get_attribute(f"data-{key}")
 
     def pixels(self, name: str) -> str:
-        """Return a canvas as text, once it is drawn."""
+        """Return a canvas as text, once it is drawn, a scene once it is drawn fine."""
+        if name != "picture":
+            self.page.wait_for_timeout(50)
+            fine = "name => document.querySelector(`#explorer-${name} canvas`).dataset.fine"
+            self.wait_for(f"name => ({fine})(name) === 'yes'", name)
         return self.page.evaluate(
             "name => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => "
             "done(document.querySelector(`#explorer-${name} canvas`).toDataURL()))))",

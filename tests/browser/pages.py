@@ -14,7 +14,7 @@ from rich.console import Console
 
 from bench import api
 from bench.suites.vinag2018.cases import LEO
-from bench.suites.vinag2018.flight import Flight
+from bench.suites.vinag2018.flight import flight_of
 from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.volpe2017.plan import Plan, Sizes
 from bench.suites.volpe2017.suite import run_plan
@@ -25,7 +25,7 @@ from bench.sweep.table import VERDICTS, setting_of
 from models.camera import camera_preset
 from models.dataset.estimates_file import write_estimates
 from models.dataset.marker_file import markers_to_toml
-from models.estimate import Detections, Estimate, PoseEstimate
+from models.estimate import Detections, Estimate, NamedState, PoseEstimate
 from models.lights.sun_grid import sun_grid
 from tests.bench.sweep.test_table import SETTING, TRUTH, judged
 from tests.support.synthetic_dataset import (
@@ -71,7 +71,7 @@ def pair(home: Path) -> Path:
             write_variant(dataset, label, said, run)
     names = (HOSTILE, *dataset.pattern.names[1:])
     (home / "markers.toml").write_text(markers_to_toml(replace(dataset.pattern, names=names)))
-    return _reported(home)
+    return reported(home)
 
 
 def tumble(home: Path) -> Path:
@@ -93,21 +93,47 @@ def tumble(home: Path) -> Path:
         return Estimate(truth.frame, truth.time_s, PoseEstimate(pose), detections=found)
 
     write_estimates(home / "estimates" / "best.jsonl", map(said, dataset.truths))
-    return _reported(home)
+    return reported(home)
+
+
+def navigated(home: Path) -> Path:
+    """Return six images of XMM by a chaser that knows its own orbit to some metres."""
+    dataset = write_images(home, 6, 4.0, width_px=96)
+    rng = np.random.default_rng(4)
+
+    def said(truth) -> Estimate:
+        place = truth.chaser.position_in_inertial + rng.normal(0.0, 5.0, 3)
+        orbit = NamedState(
+            {
+                "position_in_inertial_m": place,
+                "velocity_in_inertial_m_s": truth.chaser.velocity_in_inertial,
+            },
+            np.diag([25.0] * 3 + [1e-4] * 3),
+        )
+        states = {**truth.state.named(np.eye(6), np.eye(6)), "chaser_orbit": orbit}
+        pose = truth.cam_from_target.perturbed(0.02 * rng.standard_normal(3), np.zeros(3))
+        return Estimate(
+            truth.frame, truth.time_s, PoseEstimate(pose), mode="tracked", states=states
+        )
+
+    write_estimates(home / "estimates" / "best.jsonl", map(said, dataset.truths))
+    path = home / "dataset.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "chain": "navigated_images"}))
+    return reported(home)
 
 
 def unknown(home: Path) -> Path:
     """Return a textured cube's images, as our pipeline knows it in the end."""
     write_cube(home, 34)
     api.estimate(home)
-    return _reported(home)
+    return reported(home)
 
 
 def absolute(home: Path) -> Path:
     """Return two minutes of a low orbit."""
-    write_flight(home, Flight(LEO, 120.0))
+    write_flight(home, flight_of(LEO, 120.0))
     api.estimate(home)
-    return _reported(home)
+    return reported(home)
 
 
 def sweep(home: Path) -> Path:
@@ -162,7 +188,8 @@ def leaderboard(home: Path) -> Path:
     return next(path for path in files.values() if path.suffix == ".html")
 
 
-def _reported(home: Path) -> Path:
+def reported(home: Path) -> Path:
+    """Score and report a dataset with estimates, its case by a hostile name."""
     path = home / "dataset.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "case": HOSTILE}))
     for stamp in home.glob("seeds/*/run.json"):
@@ -172,7 +199,8 @@ def _reported(home: Path) -> Path:
 
 
 EXPLORED: dict[str, Callable[[Path], Path]] = {
-    "pair": pair, "tumble": tumble, "unknown": unknown, "absolute": absolute,
+    "pair": pair, "tumble": tumble, "navigated": navigated, "unknown": unknown,
+    "absolute": absolute,
 }  # fmt: skip
 PLAIN: dict[str, Callable[[Path], Path]] = {
     "sweep": sweep, "suite": suite, "leaderboard": leaderboard,

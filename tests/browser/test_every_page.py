@@ -86,6 +86,64 @@ def test_a_frame_of_a_sweep_is_reached_from_its_tile_and_leads_back(opened):
     assert own.faults() == []
 
 
+def test_a_drag_and_keys_turn_the_globe_of_a_sweep_and_lead_to_a_frame(opened):
+    own = opened("sweep", viewport={"width": 1000, "height": 900})
+    globe = own.page.locator(".globe canvas")
+    globe.scroll_into_view_if_needed()
+    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 5")
+    start, box = globe.get_attribute("data-view"), globe.bounding_box()
+    x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+    own.page.mouse.move(x, y)
+    own.page.mouse.down()
+    own.page.mouse.move(x + 90.0, y + 20.0, steps=4)
+    own.page.mouse.up()
+    turned = "was => document.querySelector('.globe canvas').dataset.view !== was"
+    own.wait_for(turned, start)
+    assert own.page.locator(".frame:visible").count() == 0
+    dragged = globe.get_attribute("data-view")
+    globe.focus()
+    globe.press("ArrowLeft")
+    own.wait_for(turned, dragged)
+    facing = int(globe.get_attribute("data-facing"))
+    words = own.page.locator(".sunmap a").nth(facing).get_attribute("aria-label")
+    assert words in globe.get_attribute("aria-label")
+    globe.press("Enter")
+    assert own.page.locator(".frame").nth(facing).is_visible()
+    own.page.locator(".frame").nth(facing).get_by_role("link", name="back to the map").click()
+    assert own.faults() == []
+
+
+def test_a_click_on_the_globe_opens_the_frame_in_front(opened):
+    own = opened("sweep", viewport={"width": 1000, "height": 900})
+    globe = own.page.locator(".globe canvas")
+    globe.scroll_into_view_if_needed()
+    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 5")
+    for _ in range(13):
+        globe.press("ArrowUp")
+    own.wait_for("() => document.querySelector('.globe canvas').dataset.view.endsWith(' 90.0')")
+    box = globe.bounding_box()
+    globe.click(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
+    shown = own.page.locator(".frame:visible")
+    assert shown.count() == 1
+    assert "elevation 90 deg" in shown.inner_text()
+
+
+@pytest.mark.parametrize("scripts", [True, False])
+def test_a_cell_of_a_suite_leads_to_its_runs_and_back(opened, scripts):
+    own = opened("suite", java_script_enabled=scripts)
+    cell = own.page.locator("a.of-runs").first
+    cell.focus()
+    own.page.keyboard.press("Enter")
+    runs = own.page.locator(".runs:visible")
+    assert runs.count() == 1
+    assert runs.locator("tbody tr").count() >= 1
+    assert "seed 0" in runs.inner_text()
+    own.page.keyboard.press("Tab")
+    own.page.keyboard.press("Enter")
+    assert own.page.locator(".runs:visible").count() == 0
+    assert own.faults() == []
+
+
 def test_pages_without_an_explorer_have_no_script(made):
-    for name in PLAIN:
+    for name in set(PLAIN) - {"sweep"}:
         assert "<script" not in made[name].read_text().replace("&lt;script", "")

@@ -20,11 +20,14 @@ def test_one_slider_moves_what_each_chain_shows(opened, name):
     own.page.locator("#explorer-scene canvas").press("ArrowLeft")
     assert own.value("scene", "eye") != before
     parts = own.value("scene", "parts").split()
-    wanted = {"tumble": {"target", "Sun"}, "unknown": {"cloud", "Sun"},
-              "absolute": {"Earth", "way", "senders"}}  # fmt: skip
+    wanted = {"tumble": {"target", "Sun"}, "navigated": {"target", "Sun"},
+              "unknown": {"cloud", "Sun"}, "absolute": {"Earth", "way", "senders"}}  # fmt: skip
     assert wanted[name] | {"true", "estimated"} <= set(parts)
     if name == "absolute":
         assert int(own.value("scene", "heard")) > 3
+    assert own.page.locator("#explorer-orbit").is_visible() == (name == "navigated")
+    if name == "navigated":
+        assert {"Earth", "way", "true", "estimated"} == set(own.value("orbit", "parts").split())
     own.page.locator("#explorer-worst").click()
     own.wait_for_place(int(own.page.locator("#explorer-slider").input_value()))
 
@@ -97,7 +100,7 @@ def test_another_run_has_its_own_errors_poses_and_reasons(opened):
     own = opened()
     own.page.locator("#explorer-pipeline").select_option(HOSTILE_LABEL)
     verdict, scene = own.page.locator("#explorer-verdict"), own.pixels("scene")
-    own.page.locator("#explorer-scene .choices").get_by_label("difference").select_option("10000")
+    own.page.locator("#explorer-scene .choices").get_by_label("difference").select_option("100")
     far = own.pixels("scene")
     assert far != scene
     first = verdict.inner_text()

@@ -15,6 +15,9 @@ from tests.support.whole_runs import HOUSE
 
 SUITE = ("suite", "vinag2018", "--parts", "leo", "--quick", "--duration-s", "60", "--seeds", "1",
          "--runs", "2")  # fmt: skip
+SWEEP = ("sweep", "maxar-approach", "--range-m", "2.5", "--sun-step-deg", "15", "--width", "256",
+         "--spp", "4", "--draws", "1")  # fmt: skip
+CASE = ("render", "xmm-tumble", "--width", "128", "--spp", "4", "--span-s", "0", "900")
 SPEC = """
 name = "small"
 frames = 48
@@ -87,3 +90,21 @@ def dataset_alone(spec: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     code, said = run("dataset", spec, "--out", out)
     assert code == 0, said
     return out
+
+
+@pytest.fixture(scope="session")
+def sweep_alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a sweep of 188 Suns, made by this machine alone."""
+    home = tmp_path_factory.mktemp("alone")
+    code, said = run(*SWEEP, "--out", home / "sweep", "--store", home / "store")
+    assert code == 0, said
+    return home / "sweep"
+
+
+@pytest.fixture(scope="session")
+def case_alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a rendered case, made by this machine alone."""
+    home = tmp_path_factory.mktemp("alone")
+    code, said = run(*CASE, "--out", home / "case", "--store", home / "store")
+    assert code == 0, said
+    return home / "case"

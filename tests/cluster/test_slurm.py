@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from bench.runners.job_record import read_record
-from tests.cluster.conftest import SUITE, run, start
+from tests.cluster.conftest import CASE, SUITE, SWEEP, run, start
 from tests.cluster.small_slurm import SmallSlurm
 from tests.support.patience import HANGS_S
 from tests.support.whole_runs import contents, identities
@@ -52,6 +52,26 @@ def test_a_suite_is_that_of_one_machine(slurm: SmallSlurm, suite_alone: Path, tm
     assert bytes_of(out) == bytes_of(suite_alone)
     assert len(list((out / "runner" / "started").iterdir())) == 4
     assert "units are done already" not in said  # here: the jobs did them all
+
+
+def test_a_sweep_of_188_suns_is_that_of_one_machine(
+    slurm: SmallSlurm, sweep_alone: Path, tmp_path: Path
+) -> None:
+    out, store = tmp_path / "out", ("--store", tmp_path / "store")
+    code, said = run(*SWEEP, "--out", out, *store, *SLURM, environment=slurm.environment)
+    assert code == 0, said
+    assert "to trace: 0 light groups" in said  # here: the jobs did them all
+    assert bytes_of(out) == bytes_of(sweep_alone)
+
+
+def test_a_case_is_that_of_one_machine(slurm: SmallSlurm, case_alone: Path, tmp_path: Path) -> None:
+    """But for ``light.json``, which says where the store is."""
+    out, store = tmp_path / "out", ("--store", tmp_path / "store")
+    code, said = run(*CASE, "--out", out, *store, *SLURM, environment=slurm.environment)
+    assert code == 0, said
+    ours, theirs = bytes_of(out), bytes_of(case_alone)
+    assert ours.pop("truth/light.json") != theirs.pop("truth/light.json")
+    assert ours == theirs
 
 
 def test_a_node_dies_and_its_work_goes_on_elsewhere(

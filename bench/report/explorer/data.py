@@ -78,7 +78,10 @@ def explorer_data(given: ReportInput, parts: ReportParts) -> dict[str, Any]:
             for label in labels
         },
         "true_layers": true_layers,
-        "plots": [*run_plots(given.score, others), *(asdict(plot) for plot in parts.plots)],
+        "plots": [
+            *run_plots(given.score, others),
+            *(asdict(plot) for plot in parts.plots if not plot.is_empty),
+        ],
         "scene": scene_data(records, truths, addition),
         "orbit": None if addition.orbit is None else orbit_data(addition.orbit),
     }

@@ -11,6 +11,12 @@ function runNow() {
   const own = data.pipelines[shown.pipeline];
   return shown.run === 0 ? own : own.runs[shown.run - 1] ?? own;
 }
+function verdictNow() {
+  const { verdicts, sizes } = runNow();
+  if (verdicts[shown.place] !== null) return verdicts[shown.place];
+  const [millimetres, degrees] = sizes.map((values) => digits(values[shown.place]));
+  return `position error ${millimetres} mm; attitude ${degrees} deg`;
+}
 const posesNow = () => runNow().poses;
 
 const colourOf = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();

@@ -36,7 +36,8 @@ function startOrbit() {
   const way = was.filter(Boolean);
   const titles = { Earth: "Earth", way: "orbit", true: "true place", estimated: "estimated place",
     senders: "satellites heard" };
-  const stage = makeStage(byId("scene"), titles, new Vector3(0, 0, 1), () => follows());
+  const home = byId(data.scene ? "orbit" : "scene");
+  const stage = makeStage(home, titles, new Vector3(0, 0, 1), () => follows());
   if (!stage) return;
   const { parts } = stage;
   const first = way[0] ?? scaled(Object.values(own.said_m).flat().find(Boolean))
@@ -83,7 +84,7 @@ function startOrbit() {
   stage.bar.append(button("orbit", () => stage.lookAt(new Vector3(), reach, from)),
     button("all satellites", () => stage.lookAt(new Vector3(), farthest, from)),
     button("closer", () => stage.closer(0.8)), button("farther", () => stage.closer(1.25)));
-  byId("scene").querySelector(".note").textContent =
+  home.querySelector(".note").textContent =
     "In the inertial frame, the Earth's axis up; the Earth does not turn here. Cyan: the satellite "
     + "as it was; green: as estimated, its difference from the truth enlarged by the factor chosen. "
     + "Yellow: the satellites whose signals were received. Grey: the way flown.";

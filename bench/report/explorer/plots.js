@@ -2,11 +2,13 @@
 
 const PIPELINE_COLOURS = { best: "--plot-best", paper: "--plot-paper" };
 const OTHER_COLOURS = ["--plot-3", "--plot-4", "--plot-5", "--plot-6"];
+const HEIGHT = 210; // px
 const FONT = '12px "Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, sans-serif';
 
 // What a line shows: of a line of all runs, the one chosen.
 function valuesNow(line) {
-  return line.runs ? line.runs[shown.run] ?? line.runs[0] : line.values;
+  if (line.size === undefined || shown.run === 0) return line.values;
+  return data.pipelines[line.pipeline].runs[shown.run - 1]?.sizes[line.size] ?? line.values;
 }
 
 function startPlots() {
@@ -38,8 +40,11 @@ function startPlots() {
 
   const twice = (line) => ["band", "bound", "range"].includes(line.kind);
   const negated = (values) => values.map((value) => value === null ? null : -value);
-  const columns = (line) => twice(line) ? [valuesNow(line), line.upper ?? negated(line.values)]
-    : [valuesNow(line)];
+  const columns = (line) => {
+    if (!twice(line)) return [valuesNow(line)];
+    line.other ??= line.upper ?? negated(line.values);
+    return [valuesNow(line), line.other];
+  };
 
   // What others state of themselves would bury the errors: it is there when asked for.
   const shownFirst = (line) =>
@@ -74,7 +79,7 @@ function startPlots() {
     const log = wantsLog(own.plot), counts = own.plot.lines.every((line) => line.kind === "steps");
     own.uplot = new uPlot({
       width: Math.max(200, own.holder.clientWidth),
-      height: 210,
+      height: HEIGHT,
       legend: { show: false },
       cursor: { drag: { x: true, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: log ? { distr: 3 } : counts ? { range: (_, __, most) => [0, 1.1 * most + 1] } : {} },
@@ -116,8 +121,9 @@ function startPlots() {
     pen.lineWidth = 1.5;
     pen.beginPath();
     runNow().reasons.forEach((reason, number) => {
+      if (reason === null) return;
       const x = uplot.valToPos(times[number], "x", true);
-      if (reason === null || x < left || x > left + width) return;
+      if (x < left || x > left + width) return;
       pen.moveTo(x - 4, top + height - 10);
       pen.lineTo(x + 4, top + height - 2);
       pen.moveTo(x + 4, top + height - 10);
@@ -134,14 +140,15 @@ function startPlots() {
     own.now.hidden = !(x >= 0 && x <= own.uplot.over.clientWidth);
     own.now.dataset.frame = data.frames[shown.place].frame;
     own.values.forEach((each, number) => {
-      each.textContent = columns(own.plot.lines[number])
-        .map((values) => digits(values[shown.place])).slice(0, own.plot.lines[number].upper ? 2 : 1)
-        .join(" to ");
+      const line = own.plot.lines[number], values = [valuesNow(line), ...(line.upper ? [line.upper] : [])];
+      const text = values.map((one) => digits(one[shown.place])).join(" to ");
+      if (text !== each.textContent) each.textContent = text;
     });
   }
 
   data.plots.forEach((plot) => {
     const own = { plot, first: [], boxes: [], swatches: [], values: [], holder: made("div") };
+    own.holder.style.minHeight = `${HEIGHT}px`;
     const words = plot.unit ? `${plot.title}, ${plot.unit}` : plot.title;
     const legend = made("div", { className: "legend" });
     plot.lines.forEach((line, number) => {
@@ -164,24 +171,46 @@ function startPlots() {
     plots.push(own);
   });
   home.hidden = plots.length === 0;
-  const all = () => plots.forEach(build);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", all);
-  let whose = shown.pipeline, run = shown.run;
+  // What is out of sight is built when there is time for it, and drawn anew once it is seen.
+  function refresh(own) {
+    if (!own.uplot) build(own);
+    else if (own.stale === "values") own.uplot.setData([times, ...own.plot.lines.flatMap(columns)]);
+    else if (own.stale) own.uplot.redraw(false);
+    own.stale = null;
+  }
+  const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
+    const own = plots.find((each) => each.holder === entry.target);
+    own.near = entry.isIntersecting;
+    if (own.near) refresh(own);
+  }), { rootMargin: "200px" });
+  plots.forEach((own) => near.observe(own.holder));
+  const later = globalThis.requestIdleCallback ?? ((each) => setTimeout(each, 50));
+  function buildNext() {
+    const own = plots.find((each) => !each.uplot);
+    if (!own) return;
+    build(own);
+    later(buildNext);
+  }
+  later(buildNext);
+  addEventListener("beforeprint", () => plots.forEach(refresh));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(build));
+
+  const lostNow = () => runNow().reasons.map((reason) => reason === null ? 0 : 1).join("");
+  let run = shown.run, lost = lostNow();
   follow(() => {
-    if (run !== shown.run) {
-      plots.filter((own) => own.plot.lines.some((line) => line.runs)).forEach((own) =>
-        own.uplot?.setData([times, ...own.plot.lines.flatMap(columns)]));
+    const lostBefore = lost;
+    lost = lostNow();
+    for (const own of plots) {
+      if (run !== shown.run && own.plot.lines.some((line) => line.size !== undefined)) own.stale = "values";
+      else if (lost !== lostBefore) own.stale ??= "lost";
+      if (own.near && own.stale) refresh(own);
     }
+    run = shown.run;
     plots.forEach(place);
-    if (whose !== shown.pipeline || run !== shown.run) {
-      plots.forEach((own) => own.uplot?.redraw(false));
-    }
-    ({ pipeline: whose, run } = shown);
   });
   const resized = new ResizeObserver(() => plots.forEach((own) => {
     const width = Math.max(200, own.holder.clientWidth);
-    if (!own.uplot) build(own);
-    else if (own.uplot.width !== width) own.uplot.setSize({ width, height: 210 });
+    if (own.uplot && own.uplot.width !== width) own.uplot.setSize({ width, height: HEIGHT });
   }));
   resized.observe(home);
 }

@@ -89,7 +89,7 @@ def run_plots(
                  "values": least, "upper": most}
             )  # fmt: skip
             lines.append(
-                {**own, "label": f"{label}: the run chosen", "kind": "line", "runs": every}
+                {**own, "label": f"{label}: the run chosen", "kind": "line", "size": place}
             )
         if lines:
             plots.append({"title": title, "unit": unit, "lines": lines})
@@ -101,7 +101,10 @@ def _sizes(judged: Any, scale: float, key: str) -> list[float | None]:
     return [None if value is None else float(f"{scale * value:.5g}") for value in values]
 
 
-def _verdict(one: Judgement) -> str:
+def _verdict(one: Judgement) -> str | None:
+    """Return what to say of a frame; None where its sizes say it, which the page puts in words."""
+    if not one.lost and one.position_m is not None and one.attitude_deg is not None:
+        return None
     if one.lost:
         return f"no pose: {one.estimate.reason or NO_REASON}"
     told = []

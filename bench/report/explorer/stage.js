@@ -1,6 +1,7 @@
 // A canvas with a scene in it: lit, framed, and turned by mouse, touch and keys.
 
 const { Vector3 } = three;
+const COARSE = 0.5, REST_MS = 400;
 const vector = (x) => new Vector3(...x);
 
 function lines(points, colour, joined = false) {
@@ -12,6 +13,13 @@ function lines(points, colour, joined = false) {
 function dots(points, colour, size) {
   return new three.Points(new three.BufferGeometry().setFromPoints(points),
     new three.PointsMaterial({ color: colour, size, sizeAttenuation: false }));
+}
+
+// Whether the browser draws scenes by its processor.
+function isSlow(context) {
+  const told = context.getExtension("WEBGL_debug_renderer_info");
+  const name = told ? context.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
 function emptied(group) {
@@ -40,14 +48,24 @@ function makeStage(home, titles, up, followed) {
   const light = new three.DirectionalLight(0xffffff, 2.6);
   scene.add(light, new three.AmbientLight(0xffffff, 0.8));
 
-  let asked = 0; // at most one picture for each that the screen shows
+  // Without a graphics card what moves is drawn coarse, and fine once it rests.
+  const slow = isSlow(renderer.getContext()), fine = Math.min(2, globalThis.devicePixelRatio || 1);
+  let asked = 0, resting = null; // at most one picture for each that the screen shows
+  function picture(ratio) {
+    if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
+    scene.background = new three.Color(colourOf("--scene"));
+    renderer.render(scene, eye);
+    canvas.dataset.frame = canvas.dataset.next ?? "";
+    canvas.dataset.fine = ratio === fine ? "yes" : "";
+  }
   function render() {
     canvas.dataset.eye = eye.position.toArray().map((x) => x.toFixed(4)).join(" ");
+    canvas.dataset.fine = "";
     asked ||= requestAnimationFrame(() => {
       asked = 0;
-      scene.background = new three.Color(colourOf("--scene"));
-      renderer.render(scene, eye);
-      canvas.dataset.frame = canvas.dataset.next ?? "";
+      picture(slow ? COARSE * fine : fine);
+      clearTimeout(resting);
+      if (slow) resting = setTimeout(() => picture(fine), REST_MS);
     });
   }
 
@@ -105,7 +123,7 @@ function makeStage(home, titles, up, followed) {
     Object.assign(canvas.dataset, facts, { next: data.frames[shown.place].frame });
     const seen = Object.keys(parts).filter((name) => parts[name].visible && parts[name].children.length);
     canvas.dataset.parts = seen.join(" ");
-    canvas.setAttribute("aria-label", `The scene at ${data.frames[shown.place].title}: `
+    canvas.setAttribute("aria-label", `The ${home.id.replace("explorer-", "")} at ${data.frames[shown.place].title}: `
       + seen.map((name) => titles[name]).join(", "));
     render();
   }
@@ -116,7 +134,6 @@ function makeStage(home, titles, up, followed) {
   }
   new ResizeObserver(() => {
     const wide = home.clientWidth, high = Math.min(0.8 * wide, 0.8 * globalThis.innerHeight);
-    renderer.setPixelRatio(Math.min(2, globalThis.devicePixelRatio || 1));
     renderer.setSize(wide, high);
     eye.aspect = wide / high;
     eye.updateProjectionMatrix();

@@ -52,7 +52,7 @@ function startBar() {
 
   follow(() => {
     const { title } = data.frames[shown.place];
-    const said = runNow().verdicts[shown.place];
+    const said = verdictNow();
     slider.value = shown.place;
     slider.setAttribute("aria-valuetext", `${title}: ${said}`);
     now.textContent = title;

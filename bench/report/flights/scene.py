@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from bench.chains.chain import EstimatesByPipeline
 from bench.pictures.frame_record import FrameRecord, FrameRecords
 from bench.report.scene_addition import OrbitScene, SceneAddition
@@ -24,16 +26,38 @@ def scene(records: FrameRecords, estimates: EstimatesByPipeline) -> SceneAdditio
     estimates : mapping of str to mapping of int to Estimate
         Of run 0, by pipeline.
     """
+    return SceneAddition(
+        orbit=orbit_scene(
+            records, estimates, lambda own: None if own.truth is None else own.truth.position_m
+        )
+    )
+
+
+def orbit_scene(
+    records: FrameRecords,
+    estimates: EstimatesByPipeline,
+    true_place: Callable[[FrameRecord], Floats | None],
+) -> OrbitScene:
+    """Return an orbit: the true one, those said, and the satellites heard.
+
+    Parameters
+    ----------
+    records : FrameRecords
+    estimates : mapping of str to mapping of int to Estimate
+        Of run 0, by pipeline.
+    true_place : callable
+        From a frame's record to the place, (3,) array, inertial, m; None where none is known.
+    """
     indices = records.dataset.indices
     step = -(-len(indices) // MOST_SKIES)
     true_m, senders_m = [], []
     for place, index in enumerate(indices):
         record = records.record(index)
-        true_m.append(None if record.truth is None else record.truth.position_m)
+        true_m.append(true_place(record))
         senders_m.append(_senders_m(record) if place % step == 0 else None)
     said_m = {label: [_place_m(own.get(index)) for index in indices]
               for label, own in estimates.items()}  # fmt: skip
-    return SceneAddition(orbit=OrbitScene(true_m, said_m, senders_m))
+    return OrbitScene(true_m, said_m, senders_m)
 
 
 def _place_m(said: Estimate | None) -> Floats | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from bench.report.numbers import number
 from bench.suites.pesce2019.cases import published
 from bench.suites.pesce2019.plan import TABLE_RUNS
-from bench.suites.pesce2019.results import AcquiredCase, Results
+from bench.suites.pesce2019.results import AcquiredCase, Results, TrackedCell
 from bench.suites.pesce2019.summaries import AcquisitionSummary, BoundSummary, TrackingSummary
 
 FACTOR = 2.0  # `paper` further than this from the paper's own figure is explained
@@ -85,20 +85,37 @@ def compared(results: Results) -> list[Compared]:
     for acquired in results.table5:
         cells += _acquisition_cells(acquired, reference["acquisition"][f"case{acquired.case.key}"])
     for tracked in results.table6:
-        key, row = tracked.cell.case.key, f"case {tracked.cell.case.key}, {tracked.cell.case.name}"
-        figures = reference["tracking_rmse"][f"case{key}"]
+        row, figures = row_title("table6", tracked), reference["tracking_rmse"]
+        figures = figures[f"case{tracked.cell.case.key}"]
         cells += _tracking_cells("table6", row, figures, tracked.steady, tracked.bound_steady)
     for tracked in results.table7:
         sigma_px = tracked.cell.noise.sigma_px
         figures = reference["noise_sensitivity"][f"{sigma_px:g}"]
-        row = f"σ {sigma_px:g} px"
+        row = row_title("table7", tracked)
         cells += _tracking_cells("table7", row, figures, tracked.settled, tracked.bound_settled)
     for tracked in results.table8:
         outliers = tracked.cell.noise.outliers
         figures = reference["outlier_sensitivity"][f"{outliers}"]
-        row = f"{outliers} outlier{'s' if outliers > 1 else ''}"
+        row = row_title("table8", tracked)
         cells += _tracking_cells("table8", row, figures, tracked.settled, tracked.bound_settled)
     return cells
+
+
+def row_title(table: str, own: AcquiredCase | TrackedCell) -> str:
+    """Return what a row of one of the paper's tables is of.
+
+    Parameters
+    ----------
+    table : str
+    own : AcquiredCase or TrackedCell
+    """
+    if isinstance(own, TrackedCell) and table == "table7":
+        return f"σ {own.cell.noise.sigma_px:g} px"
+    if isinstance(own, TrackedCell) and table == "table8":
+        outliers = own.cell.noise.outliers
+        return f"{outliers} outlier{'s' if outliers > 1 else ''}"
+    case = own.cell.case if isinstance(own, TrackedCell) else own.case
+    return f"case {case.key}, {case.name}"
 
 
 def _cell(
@@ -134,7 +151,7 @@ def _best_verdict(ratio: float | None) -> str:
 
 
 def _acquisition_cells(acquired: AcquiredCase, figures: dict[str, list[float]]) -> list[Compared]:
-    row = f"case {acquired.case.key}, {acquired.case.name}"
+    row = row_title("table5", acquired)
     best, paper = acquired.table["best"], acquired.table["paper"]
     columns: tuple[tuple[str, str, float, float | None, float | None], ...] = (
         ("position error, mean", "m", figures["e_rho_m"][0], best.position_m, paper.position_m),

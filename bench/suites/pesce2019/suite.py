@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -10,14 +9,14 @@ from typing import Any
 
 from rich.console import Console
 
-from bench.report.numbers import number
 from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
-from bench.suites.pesce2019.comparison import Compared, compared
+from bench.suites.pesce2019.comparison import compared
 from bench.suites.pesce2019.navigators import options_text
 from bench.suites.pesce2019.plan import CAMERA, PARTS, QUICK, RATE_HZ, VARIANTS, Plan, Sizes
 from bench.suites.pesce2019.results import Outcomes
 from bench.suites.pesce2019.suite_page import write_suite_page
+from bench.suites.pesce2019.suite_tables import standing_table
 from bench.suites.request import SIZES, SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.units import LIBRARIES, WorkUnit
@@ -73,8 +72,9 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     cells = compared(results)
     found = {"cells": [asdict(cell) for cell in cells], "parts": asdict(results)}
     score = write_document(out, "pesce2019", _settings(plan), **found)
+    standing = standing_table(cells)
     page = write_suite_page(out / "suite.html", outcomes, results, cells, _settings(plan))
-    return SuiteFiles(score, page, _summary(cells))
+    return SuiteFiles(score, page, [standing.head, *standing.rows])
 
 
 def without_times(document: Any) -> Any:
@@ -100,23 +100,3 @@ def _settings(plan: Plan) -> dict[str, Any]:
         "code": code_fingerprint("bench.suites.pesce2019.tracking_run", plan.navigator),
         "libraries": {name: version(name) for name in LIBRARIES},
     }
-
-
-def _summary(cells: list[Compared]) -> list[list[str]]:
-    """Return a line for each table: how its cells stand."""
-    rows = [["", "cells", "best at or below", "worst best", "paper within 2", "explained"]]
-    for table in dict.fromkeys(cell.table for cell in cells):
-        own = [cell for cell in cells if cell.table == table and "std" not in cell.quantity]
-        ratios = [cell.best_ratio for cell in own if cell.best_ratio is not None]
-        best, paper = Counter(c.best_verdict for c in own), Counter(c.paper_verdict for c in own)
-        rows.append(
-            [
-                table,
-                str(len(own)),
-                str(best["at or below"]),
-                f"{number(max(ratios, default=None))} x",
-                str(paper["within two"]),
-                str(sum(cell.explanation is not None for cell in own)),
-            ]
-        )
-    return rows

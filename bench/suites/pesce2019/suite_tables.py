@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 from scipy.stats import chi2
 
 from bench.report.numbers import NONE, count, number, share
+from bench.report.run_table import RunTable, with_runs
 from bench.report.table import TITLES, Table
 from bench.suites.consistency import CONFIDENCE, Consistency
 from bench.suites.pesce2019.cases import published
@@ -21,12 +23,27 @@ CELL_HEAD = [
     "", "the paper", "best", "best / paper's", "paper variant", "variant / paper's", "best is",
     "paper variant is",
 ]  # fmt: skip
+CELL_OF_RUNS = {"best": 2, "paper": 4}  # columns of numbers that are of runs
+ACQUIRED_OF_RUNS = (2, 4, 8, 9)
+WINDOW_OF_RUNS = (3, 4, 5, 6)
 WINDOWS = {"steady": "last 1000 s", "settled": "from 50 s on"}
 BETWEEN = "between"
 
 
-def cell_table(cells: Sequence[Compared], table: str) -> Table:
-    """Set one of the paper's tables beside ours, cell by cell."""
+def cell_table(
+    cells: Sequence[Compared],
+    table: str,
+    behind: Mapping[tuple[str, str], Mapping[str, RunTable]] = MappingProxyType({}),
+) -> Table:
+    """Set one of the paper's tables beside ours, cell by cell.
+
+    Parameters
+    ----------
+    cells : sequence of Compared
+    table : str
+    behind : mapping of (str, str) to mapping of str to RunTable
+        The runs that a table's row is of, by variant.
+    """
     own = [cell for cell in cells if cell.table == table]
     rows: list[list[str]] = []
     sections: dict[int, str] = {}
@@ -47,7 +64,45 @@ def cell_table(cells: Sequence[Compared], table: str) -> Table:
                 cell.paper_verdict,
             ]
         )
-    return Table(CELL_HEAD, rows, {}, sections)
+    runs = [behind.get((cell.table, cell.row), {}) for cell in own]
+    return with_runs(
+        Table(CELL_HEAD, rows, {}, sections),
+        [{column: by[name] for name, column in CELL_OF_RUNS.items() if name in by} for by in runs],
+    )
+
+
+def standing_table(cells: Sequence[Compared]) -> Table:
+    """Return a line for each of the paper's tables: how its cells stand."""
+    head = ["", "cells", "best at or below", "worst best", "paper within 2", "explained"]
+    rows = []
+    for table in dict.fromkeys(cell.table for cell in cells):
+        own = [cell for cell in cells if cell.table == table and "std" not in cell.quantity]
+        ratios = [cell.best_ratio for cell in own if cell.best_ratio is not None]
+        rows.append(
+            [
+                table,
+                count(len(own)),
+                count(sum(cell.best_verdict == "at or below" for cell in own)),
+                f"{number(max(ratios, default=None))} x",
+                count(sum(cell.paper_verdict == "within two" for cell in own)),
+                count(sum(cell.explanation is not None for cell in own)),
+            ]
+        )
+    return Table(head, rows, {}, {})
+
+
+def why_table(cells: Sequence[Compared]) -> Table:
+    """Say of each cell where the variant is far from the paper's figure why it is."""
+    rows = [
+        [
+            f"{cell.table.replace('table', 'Table ')}, {cell.row}: {cell.quantity}",
+            number(cell.paper_ratio, 2),
+            cell.explanation,
+        ]
+        for cell in cells
+        if cell.explanation is not None
+    ]
+    return Table(["cell", "ours over the paper's", "why, as measured"], rows, {}, {})
 
 
 def acquisition_table(cases: Iterable[AcquiredCase]) -> Table:

@@ -9,6 +9,7 @@ from bench.report.numbers import count, number, share
 from bench.report.page import Page, write_page
 from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
+from bench.report.run_table import RunTable, with_runs
 from bench.report.table import TITLES, Table
 from bench.suites.uncooperative_suns.cases import IMAGES
 from bench.suites.uncooperative_suns.figures import bar_figure, outcome_map, reliability_figure
@@ -24,7 +25,9 @@ from bench.suites.uncooperative_suns.results import (
     Counts,
     Starts,
     Summary,
+    bin_places,
 )
+from bench.suites.uncooperative_suns.runs import found_runs, refused_runs
 
 LEADS = "best"
 MOST_REASONS = 8
@@ -88,7 +91,7 @@ def write_suite_page(
             label=LEADS,
             cards=_cards(leading),
             headline_title="How starts ended",
-            headline=_counts(summaries),
+            headline=_counts(results, summaries),
             after=sections,
             frames=frame_pictures(plan, {t: own[LEADS] for t, own in results.items()}),
             marks=MARKED,
@@ -113,7 +116,9 @@ def _cards(leading: dict[str, Summary]) -> list[Card]:
     ]  # fmt: skip
 
 
-def _counts(summaries: dict[str, dict[str, Summary]]) -> Table:
+def _counts(
+    results: dict[str, dict[str, Starts]], summaries: dict[str, dict[str, Summary]]
+) -> Table:
     head = ["", "starts", "found", "at the first image", "wrong", "refused", "found where lit",
             "attitude, deg", "range, %", "s a start"]  # fmt: skip
     rows: list[list[str]] = []
@@ -130,7 +135,19 @@ def _counts(summaries: dict[str, dict[str, Summary]]) -> Table:
                     number(None if off is None else 100.0 * off), number(one.seconds[0]),
                 ]
             )  # fmt: skip
-    return Table(head, rows, TERMS, sections)
+    behind = [
+        _behind(f"{target}, {TITLES[variant]}", results[target][variant])
+        for target, own in summaries.items()
+        for variant in reversed(own)
+    ]
+    return with_runs(Table(head, rows, TERMS, sections), behind)
+
+
+def _behind(title: str, starts: Starts) -> dict[int, RunTable]:
+    found = found_runs(f"{title}: found", starts, starts.right)
+    wrong = found_runs(f"{title}: wrong", starts, starts.wrong)
+    refused = refused_runs(f"{title}: refused", starts, ~starts.claimed)
+    return {**dict.fromkeys((2, 3, 7, 8), found), 4: wrong, 5: refused}
 
 
 def _target(target: str, results: dict[str, Starts], summaries: dict[str, Summary]) -> Section:
@@ -145,24 +162,35 @@ def _target(target: str, results: dict[str, Starts], summaries: dict[str, Summar
         target,
         figures=tuple(figures),
         tables=(
-            TitledTable(f"{target}: by bins, {LEADS}", _bins(lead)),
+            TitledTable(f"{target}: by bins, {LEADS}", _bins(target, results[LEADS], lead)),
             TitledTable(f"{target}: why starts were refused, {LEADS}", _reasons(lead), folded=True),
         ),
     )
 
 
-def _bins(summary: Summary) -> Table:
+def _bins(target: str, starts: Starts, summary: Summary) -> Table:
     rows: list[list[str]] = []
     sections: dict[int, str] = {}
-    for title, edges, counted, factor in (
-        ("phase angle, deg", PHASE_EDGES_DEG, summary.phase, 1.0),
-        ("width of the field, %", SHARE_EDGES, summary.share, 100.0),
-        ("lit share of the silhouette, %", LIT_EDGES, summary.lit_share, 100.0),
+    behind: list[dict[int, RunTable]] = []
+    for title, edges, counted, values, factor in (
+        ("phase angle, deg", PHASE_EDGES_DEG, summary.phase, starts.phase_deg, 1.0),
+        ("width of the field, %", SHARE_EDGES, summary.share, starts.share, 100.0),
+        ("lit share of the silhouette, %", LIT_EDGES, summary.lit_share, starts.lit, 100.0),
     ):
         sections[len(rows)] = title
-        for low, high, one in zip(edges[:-1], edges[1:], counted, strict=True):
-            rows.append([f"{factor * low:g} to {factor * high:g}", *_cells(one)])
-    return Table(["", "starts", "found", "wrong", "refused"], rows, {}, sections)
+        places = bin_places(values, edges)
+        for place, one in enumerate(counted):
+            between = f"{factor * edges[place]:g} to {factor * edges[place + 1]:g}"
+            which, own = f"{target}, {title} {between}", places == place
+            rows.append([between, *_cells(one)])
+            behind.append(
+                {
+                    3: found_runs(f"{which}: wrong", starts, own & starts.wrong),
+                    4: refused_runs(f"{which}: refused", starts, own & ~starts.claimed),
+                }
+            )
+    head = ["", "starts", "found", "wrong", "refused"]
+    return with_runs(Table(head, rows, {}, sections), behind)
 
 
 def _cells(one: Counts) -> list[str]:

@@ -284,8 +284,20 @@ def results_of(plan: Plan) -> dict[str, dict[str, Starts]]:
     }
 
 
+def bin_places(values: Floats, edges: Sequence[float]) -> Indices:
+    """Return which bin each value lies in, (n,); the first and last hold what is beyond.
+
+    Parameters
+    ----------
+    values : (n,) array
+    edges : sequence of float
+        One more than there are bins.
+    """
+    return np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+
+
 def _binned(starts: Starts, values: Floats, edges: Sequence[float]) -> list[Counts]:
-    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    place = bin_places(values, edges)
     return [counts(starts, place == k) for k in range(len(edges) - 1)]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +10,15 @@ from bench.report.numbers import number
 from bench.report.page import Page, write_page
 from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
-from bench.report.table import length
+from bench.report.run_table import with_runs
+from bench.report.table import Table, length
 from bench.suites.vinag2018 import figures, star_figure, star_tables, tables
 from bench.suites.vinag2018.cases import CASES, published
 from bench.suites.vinag2018.chain_results import PAPER_DEG, chain_figure, chain_table
 from bench.suites.vinag2018.chain_run import NAVIGATED
 from bench.suites.vinag2018.integrity_results import diagnosed_table
 from bench.suites.vinag2018.results import Flown, Outcomes, Results
+from bench.suites.vinag2018.runs import chain_runs, flight_runs
 from pipelines.absolute.options import VARIANTS
 
 LEFT_OUT = (
@@ -44,9 +47,9 @@ def write_suite_page(
         The file.
     """
     main = [own for part in CASES for own in results.flights.get(part, ())]
-    title, headline = "Beside the paper's statements", tables.stated_table(main)
+    title, headline = "Beside the paper's statements", _stated(outcomes, main)
     if results.chained and not main:
-        title, headline = "Navigated and true chasers", chain_table(results.chained)
+        title, headline = "Navigated and true chasers", _chained(outcomes, results)
     write_page(
         path,
         Page(
@@ -67,6 +70,30 @@ def write_suite_page(
         ),
     )
     return path
+
+
+def _stated(outcomes: Outcomes, main: Sequence[Flown]) -> Table:
+    rows = [
+        {3: runs}
+        for own in main
+        for runs in [flight_runs(outcomes, own.cell)]
+        for _ in (*tables.AXES, "attitude")
+    ]
+    return with_runs(tables.stated_table(main), rows)
+
+
+def _bounds(outcomes: Outcomes, flown: Sequence[Flown]) -> Table:
+    bounded = [own for own in flown if own.bound is not None]
+    rows = [dict.fromkeys((2, 3, 4, 6, 7), flight_runs(outcomes, own.cell)) for own in bounded]
+    return with_runs(tables.bound_table(bounded), rows)
+
+
+def _chained(outcomes: Outcomes, results: Results) -> Table:
+    rows = [
+        dict.fromkeys((1, 2, 3, 4, 5, 9), chain_runs(outcomes, own.variant, own.chaser))
+        for own in results.chained
+    ]
+    return with_runs(chain_table(results.chained), rows)
 
 
 def _cards(main: list[Flown]) -> list[Card]:
@@ -127,7 +154,7 @@ def _flights(outcomes: Outcomes, results: Results, main: list[Flown]) -> list[Se
                 text="Root mean square over runs and time. The bound knows the variant's own model "
                 "and the sensors' true noise.",
                 tables=(
-                    TitledTable("Errors and bounds", tables.bound_table(main), wide=True),
+                    TitledTable("Errors and bounds", _bounds(outcomes, main), wide=True),
                     TitledTable("Consistency", tables.consistency_table(main), True, True),
                 ),
                 note="NEES over its degrees of freedom: 1 is honest. Inside: share of instants at "
@@ -154,14 +181,18 @@ def _others(outcomes: Outcomes, results: Results) -> list[Section]:
                     title,
                     text=text,
                     tables=(
-                        TitledTable(title, tables.bound_table(flown), wide=True),
+                        TitledTable(title, _bounds(outcomes, flown), wide=True),
                         TitledTable("Consistency", tables.consistency_table(flown), True, True),
                     ),
                 )
             )
     if "mask" in results.flights:
         masked = results.flights.get("geo", ())
-        table = tables.mask_table(masked, results.flights["mask"])
+        cells = [own.cell for own in (*masked, *results.flights["mask"])]
+        table = with_runs(
+            tables.mask_table(masked, results.flights["mask"]),
+            [dict.fromkeys((2, 3, 4), flight_runs(outcomes, cell)) for cell in cells],
+        )
         sections.append(
             Section(
                 "GEO without the mask",
@@ -186,19 +217,23 @@ def _others(outcomes: Outcomes, results: Results) -> list[Section]:
             )
         )
     if results.faults:
+        cells = outcomes.plan.flights("faults")
+        rows = [dict.fromkeys((3, 4), flight_runs(outcomes, cell)) for cell in cells]
         sections.append(
             Section(
                 "Faults",
                 text="LEO, best; each fault begins at 200 s.",
                 figures=(
                     Figure(
-                        svg_address(
-                            figures.fault_figure(outcomes, outcomes.plan.flights("faults"))
-                        ),
+                        svg_address(figures.fault_figure(outcomes, cells)),
                         "Errors through faults",
                     ),
                 ),
-                tables=(TitledTable("Faults", tables.fault_table(results.faults), wide=True),),
+                tables=(
+                    TitledTable(
+                        "Faults", with_runs(tables.fault_table(results.faults), rows), True
+                    ),
+                ),
             )
         )
     if results.diagnosed:
@@ -242,9 +277,7 @@ def _chain(outcomes: Outcomes, results: Results) -> Section:
         "its state; both see the same corners. The paper's attitude error stays below "
         f"{PAPER_DEG:g} deg.",
         figures=(Figure(svg_address(chain_figure(shown)), "Figures 11 and 12: relative errors"),),
-        tables=(
-            TitledTable("Navigated and true chasers", chain_table(results.chained), wide=True),
-        ),
+        tables=(TitledTable("Navigated and true chasers", _chained(outcomes, results), wide=True),),
         note="Errors after the first fifth of each run, root mean square. NEES over six.",
     )
 

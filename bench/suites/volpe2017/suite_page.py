@@ -9,9 +9,12 @@ from bench.report.numbers import number, share
 from bench.report.page import Page, write_page
 from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
+from bench.report.run_table import with_runs
+from bench.report.table import Table
 from bench.suites.volpe2017 import suite_figures, suite_tables
 from bench.suites.volpe2017.cases import published
 from bench.suites.volpe2017.results import Outcomes, PaperResults, Results, StudiedCase
+from bench.suites.volpe2017.runs import runs_of
 
 PAPER_TEXT = (
     "Twelve corners of a box with two panels, all seen in every image and none mistaken, a range "
@@ -61,6 +64,8 @@ def write_suite_page(
             )
         )
     lead = suite_tables.bound_table(results.paper.summary.ends if results.paper else ())
+    if results.paper is not None:
+        lead = with_runs(lead, {1: runs_of(outcomes, outcomes.plan.paper_case())})
     write_page(
         path,
         Page(
@@ -131,7 +136,7 @@ def _paper(outcomes: Outcomes, paper: PaperResults) -> list[Section]:
             text=PAPER_TEXT,
             tables=(
                 TitledTable("Table 2: norms of errors, median over the runs",
-                            suite_tables.improvement_table(paper), wide=True, heading=True),
+                            _improvements(outcomes, paper), wide=True, heading=True),
                 TitledTable("Table 1: errors in components at the end, run 0",
                             suite_tables.component_table(paper), wide=True, heading=True),
             ),
@@ -140,6 +145,24 @@ def _paper(outcomes: Outcomes, paper: PaperResults) -> list[Section]:
         Section("Figures 6 to 10, run 0", figures=figures),
         Section("Beside the bound", figures=beside),
     ]  # fmt: skip
+
+
+def _improvements(outcomes: Outcomes, paper: PaperResults) -> Table:
+    case = outcomes.plan.paper_case()
+    rows = [
+        {2: runs}
+        for variant in suite_tables.SHOWN
+        for runs in [runs_of(outcomes, case, variant)]
+        for _ in paper.table2[variant]
+    ]
+    return with_runs(suite_tables.improvement_table(paper), rows)
+
+
+def _studied(
+    outcomes: Outcomes, table: Table, cases: Sequence[StudiedCase], columns: Sequence[int]
+) -> Table:
+    runs = [runs_of(outcomes, own.case) for own in cases]
+    return with_runs(table, [dict.fromkeys(columns, each) for each in runs])
 
 
 def _why(paper: PaperResults) -> str:
@@ -173,7 +196,13 @@ def _observability(outcomes: Outcomes, cases: tuple[StudiedCase, ...]) -> Sectio
                 "Position over time; bounds dashed",
             ),
         ),
-        tables=(TitledTable("Observability", suite_tables.observability_table(cases), wide=True),),
+        tables=(
+            TitledTable(
+                "Observability",
+                _studied(outcomes, suite_tables.observability_table(cases), cases, (1, 3, 5, 7)),
+                wide=True,
+            ),
+        ),
         note="A quantity is told to be lost whose sigma is more than half of what it was before "
         "any measurement.",
     )
@@ -186,7 +215,13 @@ def _tracks(outcomes: Outcomes, cases: tuple[StudiedCase, ...]) -> Section:
         text="Best, a tumble of 1 deg/s at 1 Hz. False matches lie anywhere in the rectangle about "
         "the target; a surface range is to what the boresight meets, never to the centre of mass.",
         figures=(_figure(figure, "Position over time; bounds dashed"),),
-        tables=(TitledTable("Tracks", suite_tables.track_table(cases), wide=True),),
+        tables=(
+            TitledTable(
+                "Tracks",
+                _studied(outcomes, suite_tables.track_table(cases), cases, (1, 3, 4, 6, 8)),
+                wide=True,
+            ),
+        ),
         note="The bound knows which matches and ranges are false, and has their share less of "
         f"them. Points are counted at the end; of honest filters {share(0.95)} lie in the band.",
     )

@@ -137,6 +137,8 @@ def test_every_run_is_told_with_its_own_errors(tmp_path):
     plot = found["plots"][0]
     assert plot["title"] == "position error of every run"
     spread, chosen = plot["lines"]
+    every = [chosen["values"], *(run["sizes"][chosen["size"]] for run in runs)]
+    assert {words for run in runs for words in run["verdicts"]} == {None}
     truths = [truth.cam_from_target.translation for truth in dataset.truths]
     for number in (0, 1, 2):
         said_there = read_run(open_dataset(dataset.folder), number, "best").estimates
@@ -144,12 +146,12 @@ def test_every_run_is_told_with_its_own_errors(tmp_path):
             1e3 * float(np.linalg.norm(said_there[k].pose.cam_from_target.translation - was))
             for k, was in enumerate(truths)
         ]
-        assert chosen["runs"][number] == pytest.approx(told, rel=1e-4)
+        assert every[number] == pytest.approx(told, rel=1e-4)
         if number:
             poses = [pose_numbers(said_there[k].pose.cam_from_target) for k in (0, 1)]
             assert runs[number - 1]["poses"] == poses
-    assert spread["values"] == np.min(chosen["runs"], axis=0).tolist()
-    assert spread["upper"] == np.max(chosen["runs"], axis=0).tolist()
+    assert spread["values"] == np.min(every, axis=0).tolist()
+    assert spread["upper"] == np.max(every, axis=0).tolist()
 
 
 def test_only_scripts_of_the_page_may_run(scored_dataset):

@@ -62,7 +62,7 @@ def swept_once(tmp_path_factory: pytest.TempPathFactory) -> SmallSweep:
     (home / "small.toml").write_text(SCENARIO)
     request = SweepRequest(
         str(home / "small.toml"), home / "out", time_s=(250.0,), suns=SUNS,
-        store=home / "store", threads=1,
+        store=home / "store", threads=1, draws=1,
     )  # fmt: skip
     small = SmallSweep(request)
     small.run()

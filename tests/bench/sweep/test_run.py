@@ -78,6 +78,21 @@ def test_exposures_and_lamp_powers_cost_no_light(sweep: SmallSweep, traced: Trac
     assert len({(row.exposure_ms, row.lamp_w_sr) for row in result.rows}) == 4
 
 
+def test_more_draws_are_runs_of_the_same_light(sweep: SmallSweep, traced: Traced) -> None:
+    """The first draw stands; the others are the maps' pipeline's, each with noise of its own."""
+    once, _ = sweep.run()
+    several, said = sweep.run(draws=3, threads=2)
+    assert traced() == []
+    assert "3 of 9 frames are done already" in said
+    for before, row in zip(once.rows, several.rows, strict=True):
+        assert row.position_error_mm == before.position_error_mm
+        assert (row.draws, before.draws) == (3 if row.pipeline == "best" else 1, 1)
+        if row.pipeline == "best" and row.position_rms_mm is not None:
+            assert row.position_least_mm < row.position_rms_mm < row.position_most_mm
+    assert sweep.run(draws=3)[0].rows == several.rows
+    assert sweep.run()[0].rows == once.rows
+
+
 def test_another_sun_costs_its_own_light_alone(sweep: SmallSweep, traced: Traced) -> None:
     result, _ = sweep.run(suns=(*SUNS, "S6"))
     assert traced() == [["sun_S6"], ["sun_S6"]]  # 800 and 850 nm; the lamps are there
@@ -116,7 +131,18 @@ def test_killed_in_the_light_it_goes_on_without_redoing(
 def test_killed_for_good_the_same_command_ends_the_same(sweep: SmallSweep, tmp_path: Path) -> None:
     """By SIGKILL, as the second shot's record gets its name."""
     out = tmp_path / "killed"
-    typed = ["sweep", sweep.request.case, "--time-s", "250", "--suns", *SUNS, "--threads", "1"]
+    typed = [
+        "sweep",
+        sweep.request.case,
+        "--time-s",
+        "250",
+        "--suns",
+        *SUNS,
+        "--threads",
+        "1",
+        "--draws",
+        "1",
+    ]
     typed += ["--store", str(sweep.store.folder), "--out", str(out)]
     process = start(*typed, struck=("SIGKILL", "*/shots/*.json"))
     process.communicate(timeout=HANGS_S)

@@ -13,7 +13,7 @@ from bench.scoring.judgement import TrueScene
 from bench.scoring.limits import Limits
 from bench.scoring.pairs.detections import visible_markers
 from bench.scoring.pairs.judged_pairs import judge_alone
-from bench.sweep.extremes import ranked
+from bench.sweep.extremes import ranked, told
 from bench.sweep.table import (
     LARGEST,
     VERDICTS,
@@ -51,6 +51,10 @@ ROWS = st.lists(
         **dict.fromkeys(("sun", "sun_text", "pipeline", "reason"), WORDS),
         verdict=st.sampled_from(VERDICTS),
         **dict.fromkeys(("expected", "found", "mismatched", "used", "in_sun"), COUNTS),
+        draws=st.integers(1, 20),
+        **dict.fromkeys(("draws_without_pose", "draws_wrong", "draws_found"), COUNTS),
+        **{f"position_{which}_mm": MAYBE for which in ("rms", "least", "most")},
+        attitude_rms_deg=MAYBE,
         **dict.fromkeys(("position_error_mm", "attitude_error_deg", "position_sigma_mm"), MAYBE),
         **{f"error_{axis}_mm": MAYBE for axis in "xyz"},
         saturated_percent=st.fixed_dictionaries({IMAGE_800: PERCENT, IMAGE_850: PERCENT}),
@@ -64,13 +68,14 @@ MARKERS = visible_markers(TRUTH, CAMERA, RETROREFLECTORS)
 SETTING = Setting(12.0, 3.0, 0.5, 12.0)
 
 
-def judged(estimate, sun="S2"):
+def judged(estimate, sun="S2", again=()):
     saturated = {IMAGE_800: 0.0, IMAGE_850: 1.5}
     along_m = None
     if estimate.pose is not None:
         along_m = estimate.pose.cam_from_target.translation - TRUTH.cam_from_target.translation
     alone = judge_alone(estimate, TRUTH, SCENE)
-    return judged_row(read_sun(sun), SETTING, "best", alone, along_m, saturated)
+    others = [judge_alone(each, TRUTH, SCENE) for each in again]
+    return judged_row(read_sun(sun), SETTING, "best", alone, along_m, saturated, others)
 
 
 def with_pose(estimate, cam_from_target):
@@ -184,7 +189,7 @@ def test_no_pose_has_a_reason_and_no_error():
 def test_harshest_is_no_pose_then_markers_missed_then_error():
     good = judged(perfect_estimate(TRUTH))
     off = dataclasses.replace(good, position_error_mm=3.0)
-    missed = dataclasses.replace(good, found=good.expected - 2, position_error_mm=0.1)
+    missed = dataclasses.replace(good, draws_found=good.expected - 2, position_error_mm=0.1)
     lost = judged(lost_estimate(TRUTH))
     rows = [missed, good, lost, off]
     best, harshest = ranked(rows)
@@ -206,3 +211,24 @@ def test_one_lucky_draw_makes_no_direction_kind():
     lost = judged(lost_estimate(TRUTH))
     assert ranked([lost, unsure, lucky, unlucky])[0] == [unlucky, lucky]
     assert ranked([lost, unsure, lucky, unlucky])[1] == [lost, unsure]
+
+
+def test_several_draws_rank_by_what_they_come_to():
+    """A direction that is lost in one draw of three is harsher than any with all, however lucky."""
+    estimate, lost = perfect_estimate(TRUTH), lost_estimate(TRUTH)
+    off_mm = (1.0, 2.0, 2.0)
+    off = [
+        with_pose(estimate, TRUTH.cam_from_target.perturbed([0.0] * 3, [1e-3 * each, 0.0, 0.0]))
+        for each in off_mm
+    ]
+    steady = judged(off[0], again=off[1:])
+    assert (steady.draws, steady.draws_without_pose, steady.draws_wrong) == (3, 0, 0)
+    assert steady.draws_found == 3 * steady.expected
+    assert steady.position_rms_mm == pytest.approx(math.sqrt(3.0))
+    assert (steady.position_least_mm, steady.position_most_mm) == pytest.approx((1.0, 2.0))
+    lucky = judged(estimate, again=[lost, estimate])
+    assert (lucky.draws_without_pose, lucky.position_rms_mm) == (1, 0.0)
+    assert ranked([lucky, steady]) == ([steady], [lucky])
+    better = judged(off[0], again=[off[0], off[1]])
+    assert ranked([lucky, steady, better, judged(lost, again=[lost, lost])])[0] == [better, steady]
+    assert "3 draws: no pose in 1 of 3 draws" in told(lucky)
