@@ -14,7 +14,6 @@ from rich.console import Console
 
 from bench import api
 from bench.suites.vinag2018.cases import LEO
-from bench.suites.vinag2018.flight import flight_of
 from bench.suites.vinag2018.flight_dataset import write_flight
 from bench.suites.volpe2017.plan import Plan, Sizes
 from bench.suites.volpe2017.suite import run_plan
@@ -131,7 +130,7 @@ def unknown(home: Path) -> Path:
 
 def absolute(home: Path) -> Path:
     """Return two minutes of a low orbit."""
-    write_flight(home, flight_of(LEO, 120.0))
+    write_flight(home, LEO, 120.0)
     api.estimate(home)
     return reported(home)
 
