@@ -23,7 +23,7 @@ from renders.world.world import World
 from tests.support.image_statistics import same_image
 from tests.support.small_scenes import needs_jit, run_python
 
-TIME_S, WIDTH, SAMPLES, SEEDS = 150.0, 64, 64, 8
+TIME_S, WIDTH, SAMPLES, SEEDS = 150.0, 64, 9, 8
 SCALAR_PROGRAM = """
 import sys
 import numpy as np

@@ -93,8 +93,10 @@ def window_charge(
 
 @pytest.mark.parametrize(
     ("time_s", "names"),
-    [(0.0, ("1", "4", "8", "10")), (320.0, ("8", "10"))],
-    ids=["far", "near"],
+    [
+        pytest.param(0.0, ("1", "4", "8", "10"), id="far"),
+        pytest.param(320.0, ("8", "10"), id="near", marks=pytest.mark.slow),
+    ],
 )
 def test_monte_carlo_noise_is_below_a_third_of_the_detectors(
     world: World, geometry: Any, scene: Any, time_s: float, names: tuple[str, ...]

@@ -1,6 +1,7 @@
 """From images to a shape: own tracks of a tumbling cube, and a range to its surface."""
 
 import numpy as np
+import pytest
 
 from models.motion.clohessy_wiltshire import mean_motion, state_on_inclined_ellipse
 from models.motion.watched_tumble import WatchedTumble
@@ -29,6 +30,7 @@ def distance_to_cube(points):
     return np.where(outside.any(axis=1), np.linalg.norm(outside, axis=1), np.abs(inside))
 
 
+@pytest.mark.slow
 def test_a_cube_is_found_from_its_images_alone():
     own, faces, camera = motion(), textures(), CAMERA
     rng = np.random.default_rng(4)

@@ -71,7 +71,9 @@ def rendered(path: Path, out: Path, keep: str = "none") -> dict[str, bytes]:
     return {name: data for name, data in dataset.files().items() if name != "truth/light.json"}
 
 
-@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize(
+    "noise", [*NOISES[:1], *(pytest.param(each, marks=pytest.mark.slow) for each in NOISES[1:])]
+)
 def test_frames_are_the_same_to_the_bit_in_company_and_alone(
     noise: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, traced: Callable[[], int]
 ) -> None:

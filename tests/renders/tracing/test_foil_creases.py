@@ -148,6 +148,7 @@ def foil(seed: int, material: Material = MATERIALS["mli_gold"]) -> Floats:
     return found["sun"]
 
 
+@pytest.mark.slow
 def test_scalar_and_jit_see_the_same_creases(tmp_path: Any) -> None:
     needs_jit()
     from tests.support.image_statistics import same_image

@@ -36,6 +36,7 @@ def document(out) -> object:
     return without_times(json.loads((out / "suite.json").read_text()))
 
 
+@pytest.mark.slow
 def test_two_workers_after_a_stop_write_the_same(done, tmp_path):
     """Every sixth unit is taken away, in no order that a run would leave, and done again."""
     out = tmp_path / "out"
