@@ -60,6 +60,7 @@ def test_a_run_killed_again_and_again_ends_as_if_never_killed(whole_run, tmp_pat
     assert contents(store) == contents(whole_run.store)
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_on_one_store_do_no_harm(whole_run, tmp_path):
     store = tmp_path / "store"
     outs = [tmp_path / name for name in ("first", "second")]

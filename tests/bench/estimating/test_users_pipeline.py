@@ -131,6 +131,7 @@ def beside_ours(tmp_path_factory):
     return dataset.folder, outputs
 
 
+@pytest.mark.slow
 def test_a_users_pipeline_stands_beside_ours(beside_ours):
     folder, outputs = beside_ours
     score = json.loads((folder / "score.json").read_text())
@@ -140,6 +141,7 @@ def test_a_users_pipeline_stands_beside_ours(beside_ours):
     assert ">blob</th>" in page
 
 
+@pytest.mark.slow
 def test_the_example_is_right(beside_ours):
     """Centres of thresholded discs are good to a third of a pixel: 5 mm at 3 m, 512 px."""
     folder, _ = beside_ours
@@ -148,6 +150,7 @@ def test_the_example_is_right(beside_ours):
     assert core["position_error_mm"]["p95"] < 5.0
 
 
+@pytest.mark.slow
 def test_what_it_never_tells_of_is_not_held_against_it(beside_ours):
     folder, _ = beside_ours
     parts = json.loads((folder / "score.json").read_text())["pipelines"]["blob"]["parts"]
