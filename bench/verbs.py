@@ -13,12 +13,11 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import RenderOptions
-from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress
+from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress, is_shared
 from models.errors import ScenarioError
 from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
-ALONE = ("local", None, (), None, None)  # neither a runner nor a share
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -85,7 +84,7 @@ class Render:
 
     def is_share_alone(self) -> bool:
         """Have frames rendered elsewhere, or a share of them here; tell whether that was all."""
-        if (self.runner, self.jobs, self.sbatch, self.scheduler, self.chunk) == ALONE:
+        if not is_shared(self):
             return False
         from bench.runners.rendering import rendered_share
 

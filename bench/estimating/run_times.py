@@ -20,24 +20,24 @@ def times_path(run: Path) -> Path:
     return run / "times.csv"
 
 
-def times_of(dataset: Dataset, run: Path) -> dict[int, float]:
-    """Return the times of a run's frames, s, by frame.
+def times_of(dataset: Dataset, run: Path) -> dict[int, float] | None:
+    """Return the times of a run's frames, s, by frame; None where the dataset's own are right.
 
     Parameters
     ----------
     dataset : Dataset
     run : Path
-        Folder of the run; the dataset itself, which is run 0, has its own.
+        Folder of the run; run 0 is the dataset itself.
 
     Raises
     ------
     UnreadableError
         If the run has times of its own that cannot be read.
     """
-    own = {entry.index: entry.time_s for entry in dataset.entries}
     path = times_path(run)
     if run == dataset.folder or not path.exists():
-        return own
+        return None
+    own = {entry.index: entry.time_s for entry in dataset.entries}
     for row in read_csv(path, COLUMNS):
         frame = row.whole("frame", 0, max(own, default=0))
         if frame not in own:

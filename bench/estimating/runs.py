@@ -17,7 +17,7 @@ from glob import escape
 from pathlib import Path
 from typing import Any
 
-from bench.estimating.run_times import times_of, times_path
+from bench.estimating.run_times import times_of
 from models.dataset.dataset import Dataset
 from models.dataset.estimates_file import read_estimates, read_runtimes
 from models.errors import DatasetError, UnreadableError
@@ -218,8 +218,7 @@ def read_run(dataset: Dataset, number: int, label: str) -> Run:
     fingerprint = dataset.fingerprint()
     if read_stamp(folder, number).get("dataset", fingerprint) != fingerprint:
         raise DatasetError(f"{path}: expected estimates of this dataset, got another's; {mend}")
-    own = run_folder(folder, number)
-    times_s = times_of(dataset, own) if times_path(own).exists() else None
+    times_s = times_of(dataset, run_folder(folder, number))
     said = read_estimates(path)
     estimates = by_frame(dataset, said, path, f"the frames have changed since: {mend}", times_s)
     try:

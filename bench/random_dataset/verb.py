@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg
 
 from bench.runners.arguments import typed_arguments
-from bench.runners.chunks import read_chunk
 from bench.runners.options import (
     NAMES,
     ChunkText,
@@ -18,7 +17,7 @@ from bench.runners.options import (
     RunnerRequest,
     Sbatch,
     SchedulerAddress,
-    runner_request,
+    asked_of,
 )
 from bench.verbs import DONE, OptionalCount
 from models.errors import ScenarioError
@@ -80,10 +79,7 @@ class Dataset:
         """
         from bench import api
 
-        chunk = None if self.chunk is None else read_chunk(self.chunk)
-        runner = runner_request(
-            self.runner, self.jobs, self.workers, self.sbatch, self.scheduler, self.chunk
-        )
+        runner, chunk = asked_of(self, self.workers)
         if runner is not None:
             self._have_done(runner)
         result = api.dataset(
@@ -118,7 +114,7 @@ class Dataset:
                 f"expected no --only with --runner {self.runner}, which shares all that is missing"
             )
         variant = short_name(choose_variant(self.variant))  # frames of one dataset are of one kind
-        shared = replace(self, out=self.out.absolute(), variant=variant, workers=runner.workers)
+        shared = replace(self, variant=variant, workers=runner.workers)
         request = DatasetRequest(self.spec, self.out, variant=variant)
         work = frames_work(request, runner, typed_arguments("dataset", shared, NAMES))
         with at_work(self.out, "dataset"):

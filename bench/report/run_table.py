@@ -5,12 +5,15 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from bench.report.numbers import NONE, count, number
 from bench.report.table import Table
 from models.arrays import AnyArray
+
+Column: TypeAlias = Sequence[float | None] | AnyArray
 
 MOST_ROWS = 100
 
@@ -46,7 +49,7 @@ class RunTable:
 def run_table(
     title: str,
     drawn: str,
-    columns: Mapping[str, Sequence[float] | AnyArray],
+    columns: Mapping[str, Column],
     texts: Mapping[str, Sequence[str]] | None = None,
     first: str = "run",
     numbers: Sequence[int] | AnyArray | None = None,
@@ -60,7 +63,8 @@ def run_table(
     drawn : str
         How they were drawn.
     columns : mapping of str to (n,) array
-        What each run came to, by name with unit; NaN where it came to nothing, which is worst.
+        What each run came to, by name with unit; NaN or None where it came to nothing, which is
+        worst.
     texts : mapping of str to sequence of str
         Words of each run, behind its numbers.
     first : str

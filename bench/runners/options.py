@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 from tyro.conf import arg
 
-from bench.runners.chunks import MOST_CHUNKS
+from bench.runners.chunks import MOST_CHUNKS, Chunk, read_chunk
 from models.errors import ScenarioError
 from models.reading.options import check_option
 
@@ -79,6 +79,56 @@ class RunnerRequest:
     workers: int = 1
     sbatch: tuple[str, ...] = ()
     scheduler: str = ""
+
+
+class RunnerOptions(Protocol):
+    """What a verb has that may send its work elsewhere, each as it was typed."""
+
+    @property
+    def runner(self) -> Literal["local", "slurm", "dask"]:
+        """Who does the work."""
+
+    @property
+    def jobs(self) -> int | None:
+        """Into how many jobs it is cut."""
+
+    @property
+    def sbatch(self) -> tuple[str, ...]:
+        """More options of sbatch."""
+
+    @property
+    def scheduler(self) -> str | None:
+        """Dask's address."""
+
+    @property
+    def chunk(self) -> str | None:
+        """A share to be done here."""
+
+
+def is_shared(verb: RunnerOptions) -> bool:
+    """Tell whether any of it was typed: else nothing of runners is loaded."""
+    return (verb.runner, verb.jobs, verb.sbatch, verb.scheduler, verb.chunk) != (
+        "local", None, (), None, None,
+    )  # fmt: skip
+
+
+def asked_of(verb: RunnerOptions, cores: int | None) -> tuple[RunnerRequest | None, Chunk | None]:
+    """Return who is to do a verb's work, None if this process, and the share that it is to do.
+
+    Parameters
+    ----------
+    verb : RunnerOptions
+    cores : int or None
+        Of each job, as typed.
+
+    Raises
+    ------
+    ScenarioError
+        If options do not go together, or one is out of its range.
+    """
+    chunk = None if verb.chunk is None else read_chunk(verb.chunk)
+    request = runner_request(verb.runner, verb.jobs, cores, verb.sbatch, verb.scheduler, verb.chunk)
+    return request, chunk
 
 
 def runner_request(

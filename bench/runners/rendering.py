@@ -6,8 +6,8 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 from bench.runners.arguments import typed_arguments
-from bench.runners.chunks import Chunk, read_chunk
-from bench.runners.options import NAMES, RunnerRequest, runner_request
+from bench.runners.chunks import Chunk
+from bench.runners.options import NAMES, RunnerRequest, asked_of
 
 if TYPE_CHECKING:
     from bench.verbs import Render
@@ -31,10 +31,7 @@ def rendered_share(verb: Render) -> Chunk | None:
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
-    chunk = None if verb.chunk is None else read_chunk(verb.chunk)
-    runner = runner_request(
-        verb.runner, verb.jobs, verb.threads, verb.sbatch, verb.scheduler, verb.chunk
-    )
+    runner, chunk = asked_of(verb, verb.threads)
     if runner is not None:
         _have_rendered(verb, runner)
     if chunk is None:
@@ -60,13 +57,7 @@ def _have_rendered(verb: Render, runner: RunnerRequest) -> None:
     # Of whatever verb, a job renders; frames of one dataset are of one kind of light.
     alone = Render(**{each.name: getattr(verb, each.name) for each in fields(Render)})
     variant = short_name(choose_variant(verb.variant))
-    shared = replace(
-        alone,
-        out=verb.out.absolute(),
-        store=None if verb.store is None else verb.store.absolute(),
-        variant=variant,
-        threads=runner.workers,
-    )
+    shared = replace(alone, variant=variant, threads=runner.workers)
     request = RenderRequest(case=verb.case, out=verb.out, **shared.options())
     work = case_work(request, runner, typed_arguments("render", shared, NAMES))
     with at_work(verb.out, "render"):

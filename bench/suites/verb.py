@@ -19,7 +19,7 @@ from bench.runners.options import (
     RunnerName,
     Sbatch,
     SchedulerAddress,
-    runner_request,
+    asked_of,
 )
 from bench.verbs import DONE, OptionalCount, OptionalFolder, OptionalNumber
 from models.plain_console import plain_console
@@ -49,8 +49,8 @@ class Suite:
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
     what is left is told as it runs. vinag2018 (parts leo, geo, model, lasting, mask, faults,
-    sampling, availability, stars, dataset) takes a night of two cores, with --quick less than half
-    an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as
+    sampling, availability, stars, chain, dataset) takes a night of two cores, with --quick less than
+    half an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as
     S2 or E-SB) renders its frames; what that takes is told before it starts. uncooperative-suns
     (parts: targets, xmm and hispasat, or the TOML of your own) takes an hour of one core a target.
     """
@@ -103,13 +103,10 @@ class Suite:
         ScenarioError
             If there is to be no worker, or the suite or an option is none.
         """
-        from bench.runners.chunks import read_chunk
         from bench.suites.catalogue import suite_by_name
         from bench.suites.request import SuiteRequest
 
-        runner = runner_request(
-            self.runner, self.jobs, self.workers, self.sbatch, self.scheduler, self.chunk
-        )
+        runner, chunk = asked_of(self, self.workers)
         workers = len(os.sched_getaffinity(0)) if self.workers is None else self.workers
         check_option("--workers", workers, 1, MOST_WORKERS, whole=True)
         request = SuiteRequest(
@@ -128,7 +125,7 @@ class Suite:
             store=self.store,
             store_budget_gb=self.store_budget_gb,
             seed=self.seed,
-            chunk=None if self.chunk is None else read_chunk(self.chunk),
+            chunk=chunk,
         )
         console = plain_console(stderr=True)
         suite = suite_by_name(self.name)

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bench.runners.arguments import typed_arguments
-from bench.runners.chunks import Chunk, read_chunk, runs_in_order
+from bench.runners.chunks import Chunk, runs_in_order
 from bench.runners.missing_files import MissingFiles
-from bench.runners.options import NAMES, RunnerRequest, runner_request
+from bench.runners.options import NAMES, RunnerRequest, asked_of
 from bench.runners.shared_locks import check_locks
 from bench.runners.shared_work import SharedWork
 from bench.sweep.plan import SweepRequest
@@ -42,10 +42,7 @@ def swept_share(verb: Sweep, out: Path) -> Chunk | None:
     RvbenchError
         Each says what to do; nothing already done is lost.
     """
-    chunk = None if verb.chunk is None else read_chunk(verb.chunk)
-    runner = runner_request(
-        verb.runner, verb.jobs, verb.threads, verb.sbatch, verb.scheduler, verb.chunk
-    )
+    runner, chunk = asked_of(verb, verb.threads)
     check_locks(verb.store)
     if runner is not None:
         _have_swept(verb, out, runner)
@@ -59,7 +56,7 @@ def _have_swept(verb: Sweep, out: Path, runner: RunnerRequest) -> None:
     from renders.variant.choice import choose_variant, short_name
 
     variant = short_name(choose_variant(verb.variant))  # light of one sweep is of one kind
-    shared = replace(verb, out=out.absolute(), variant=variant, threads=runner.workers)
+    shared = replace(verb, out=out, variant=variant, threads=runner.workers)
     console = plain_console(stderr=True)
     begun = begin_sweep(SweepRequest(case=verb.case, out=out, **shared.options()), console)
     work = suns_work(begun, runner, typed_arguments("sweep", shared, NAMES))

@@ -10,8 +10,8 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import SweepOptions
-from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress
-from bench.verbs import ALONE, DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
+from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress, is_shared
+from bench.verbs import DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
 from models.plain_console import plain_console
 
 Numbers = Annotated[tuple[float, ...], arg(metavar="NUMBER ...", help_behavior_hint="")]
@@ -87,7 +87,7 @@ class Sweep:
     def run(self) -> int:
         """Sweep, and say what came of it."""
         out = self.out or Path("out") / f"sweep-{Path(self.case).stem}"
-        if (self.runner, self.jobs, self.sbatch, self.scheduler, self.chunk) != ALONE:
+        if is_shared(self):
             from bench.sweep.shared_suns import swept_share
 
             chunk = swept_share(self, out)

@@ -203,7 +203,8 @@ def _iterate(problems: _Problems, found: PoseBatch, options: LevenbergMarquardtO
             inverse = np.where(better, new_inverse, inverse)
             chi2 = np.where(better, new_chi2, chi2)
         stuck = ~sane & (damping >= LAMBDA_MAX)
-        retried = np.where(sane, damping * options.lambda_up, np.maximum(damping * 11.0, 1e-6))
+        retried = damping * options.lambda_up
+        retried = np.where(sane, retried, np.maximum(retried, 1e-6))
         damping = np.where(better, damping / options.lambda_down, retried)
         damping = np.clip(damping, LAMBDA_MIN, LAMBDA_MAX)
 

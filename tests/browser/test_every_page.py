@@ -86,11 +86,17 @@ def test_a_frame_of_a_sweep_is_reached_from_its_tile_and_leads_back(opened):
     assert own.faults() == []
 
 
-def test_a_drag_and_keys_turn_the_globe_of_a_sweep_and_lead_to_a_frame(opened):
-    own = opened("sweep", viewport={"width": 1000, "height": 900})
+def globe_of(own):
+    """Return the globe once it is drawn."""
     globe = own.page.locator(".globe canvas")
     globe.scroll_into_view_if_needed()
     own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 5")
+    return globe
+
+
+def test_a_drag_and_keys_turn_the_globe_of_a_sweep_and_lead_to_a_frame(opened):
+    own = opened("sweep", viewport={"width": 1000, "height": 900})
+    globe = globe_of(own)
     start, box = globe.get_attribute("data-view"), globe.bounding_box()
     x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
     own.page.mouse.move(x, y)
@@ -115,9 +121,7 @@ def test_a_drag_and_keys_turn_the_globe_of_a_sweep_and_lead_to_a_frame(opened):
 
 def test_a_click_on_the_globe_opens_the_frame_in_front(opened):
     own = opened("sweep", viewport={"width": 1000, "height": 900})
-    globe = own.page.locator(".globe canvas")
-    globe.scroll_into_view_if_needed()
-    own.wait_for("() => Number(document.querySelector('.globe canvas').dataset.seen) > 5")
+    globe = globe_of(own)
     for _ in range(13):
         globe.press("ArrowUp")
     own.wait_for("() => document.querySelector('.globe canvas').dataset.view.endsWith(' 90.0')")

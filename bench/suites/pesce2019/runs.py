@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.report.run_table import RunTable, run_table
+from bench.report.run_table import Column, RunTable, run_table
 from bench.suites.consistency import root_mean_square
 from bench.suites.pesce2019.comparison import row_title
 from bench.suites.pesce2019.plan import RATE_HZ, Cell
 from bench.suites.pesce2019.results import AcquiredCase, Outcomes, Results
 from bench.suites.pesce2019.suite_tables import SHOWN, WINDOWS, cell_title, every_cell
 from bench.suites.pesce2019.summaries import settled, stacked, steady
-from models.arrays import Floats
 
 TRACKED = {"position, m": "position_m", "attitude, deg": "attitude_deg",
            "velocity, m/s": "velocity_m_s", "rate, deg/s": "rate_deg_s"}  # fmt: skip
@@ -72,7 +71,9 @@ def _tracked(outcomes: Outcomes, cell: Cell) -> dict[tuple[str, str], RunTable]:
         runs = outcomes.tracking(cell, variant)
         errors = {name: stacked(runs, key) for name, key in TRACKED.items()}
         for window, own in windows.items():
-            columns = {name: [_rms(row[own]) for row in each] for name, each in errors.items()}
+            columns: dict[str, Column] = {
+                name: [root_mean_square(row[own]) for row in each] for name, each in errors.items()
+            }
             lost = ~np.isfinite(errors["position, m"][:, own])
             columns["frames without a state"] = lost.sum(axis=1).tolist()
             found[window, variant] = run_table(
@@ -94,11 +95,6 @@ def _acquired(outcomes: Outcomes, acquired: AcquiredCase) -> dict[str, RunTable]
         title = f"case {acquired.case.key}, {acquired.case.name}: acquisitions, {variant}"
         found[variant] = run_table(title, _seeds(outcomes), columns)
     return found
-
-
-def _rms(errors: Floats) -> float:
-    size = root_mean_square(errors)
-    return np.nan if size is None else size
 
 
 def _seeds(outcomes: Outcomes) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from bench.report.run_table import RunTable, run_table
+from bench.suites.consistency import root_mean_square
 from bench.suites.vinag2018.chain_results import SETTLED
 from bench.suites.vinag2018.plan import Cell
 from bench.suites.vinag2018.results import Outcomes
 from bench.suites.vinag2018.summaries import settled, stacked
-from models.arrays import AnyArray
 
 CHAIN = {"position, m": "position_m", "attitude, deg": "attitude_deg",
          "images alone, m": "raw_position_m", "images alone, deg": "raw_attitude_deg",
@@ -50,15 +50,10 @@ def chain_runs(outcomes: Outcomes, variant: str, chaser: str) -> RunTable:
     """
     runs = [each.values for each in outcomes.chain(variant, chaser)]
     columns = {
-        name: [_rms(own[key][round(SETTLED * len(own[key])) :]) for own in runs]
+        name: [root_mean_square(own[key][round(SETTLED * len(own[key])) :]) for own in runs]
         for name, key in CHAIN.items()
     }
     return run_table(f"{variant}, chaser {chaser}", _drawn(outcomes), columns)
-
-
-def _rms(errors: AnyArray) -> float:
-    there = errors[np.isfinite(errors)]
-    return float(np.sqrt(np.mean(there**2))) if there.size else np.nan
 
 
 def _drawn(outcomes: Outcomes) -> str:

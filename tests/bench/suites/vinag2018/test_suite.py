@@ -119,6 +119,12 @@ def test_sizes_default_to_the_papers():
     assert plan_of(SuiteRequest("vinag2018", None, 1, quick=True)).sizes == QUICK
 
 
+def test_star_frames_come_as_often_as_is_asked():
+    assert plan_of(SuiteRequest("vinag2018", None, 1, rate_hz=2.0)).sizes.star_rate_hz == 2
+    with pytest.raises(ScenarioError, match="expected --rate-hz, star frames a second, among 1, 2"):
+        plan_of(SuiteRequest("vinag2018", None, 1, rate_hz=3.0))
+
+
 def test_units_are_named_once_and_all_parts_have_some():
     units = Plan(Sizes(runs=20), PARTS).units()
     assert len({unit.name for unit in units}) == len(units)
