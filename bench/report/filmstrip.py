@@ -61,7 +61,7 @@ def picture(records: FrameRecords, index: int, width_px: int = FRAME_WIDTH_PX) -
         Wanted; a small image is drawn with whole pixels.
     """
     record = records.record(index)
-    words = [f"frame {record.frame.index}", f"{record.frame.time_s:.1f} s"]
+    words = [f"frame {record.frame.index}", f"{record.frame.time_s:z.1f} s"]
     if record.true_range_m is not None:
         words.append(f"{record.true_range_m:.2f} m")
     camera = records.onboard.camera

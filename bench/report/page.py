@@ -151,7 +151,7 @@ def _report(folder: Path, score: dict[str, Any]) -> Page:
     return Page(
         title=f"{info.case}, Sun {info.sun}",
         heading=info.case,
-        lead=f"{parts.lead}; {first_s:.1f} to {last_s:.1f} s{runs}",
+        lead=f"{parts.lead}; {first_s:z.1f} to {last_s:z.1f} s{runs}",
         label=title_of(label),
         cards=parts.cards,
         headline_title="The pipelines on the same frames",

@@ -49,10 +49,11 @@ class Suite:
     pesce2019 (parts table5, table6, table7, table8, vinag) takes about four hours of one core at
     the paper's sizes, volpe2017 (parts paper, observability, tracks, speed) about twenty minutes;
     what is left is told as it runs. vinag2018 (parts leo, geo, model, lasting, mask, faults,
-    sampling, availability, stars, chain, dataset) takes a night of two cores, with --quick less than
-    half an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of sequences such as
-    S2 or E-SB) renders its frames; what that takes is told before it starts. uncooperative-suns
-    (parts: targets, xmm and hispasat, or the TOML of your own) takes an hour of one core a target.
+    sampling, availability, stars, chain, dataset) takes a night of two cores, with --quick less
+    than half an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of
+    sequences such as S2 or E-SB) renders its frames; what that takes is told before it starts.
+    uncooperative-suns (parts: targets, xmm and hispasat, or the TOML of your own) takes an hour of
+    one core a target.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]

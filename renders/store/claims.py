@@ -7,7 +7,6 @@ claim without a lock is only a record of which light was whose.
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import hashlib
 import json
@@ -146,9 +145,5 @@ def _opened(path: Path) -> BinaryIO:
     """Open a claim for writing if it may be: NFS locks nothing else for one alone."""
     try:
         return path.open("r+b")
-    except (PermissionError, IsADirectoryError):
-        return path.open("rb")
-    except OSError as error:
-        if error.errno != errno.EROFS:
-            raise
+    except OSError:  # not ours to write, or a disk that is only read
         return path.open("rb")

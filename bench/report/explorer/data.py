@@ -122,7 +122,7 @@ class _Images:
 
 
 def _frame(record: FrameRecord) -> dict[str, Any]:
-    words = [f"frame {record.frame.index}", f"{record.frame.time_s:.1f} s"]
+    words = [f"frame {record.frame.index}", f"{record.frame.time_s:z.1f} s"]
     if record.true_range_m is not None:
         words.append(f"{number(record.true_range_m, 4)} m")
     return {
