@@ -104,6 +104,12 @@ def make_sun(table: dict[str, Any]) -> Any:
     return lamp
 
 
+def place_camera(pose: dict[str, Any]) -> None:
+    """Put the camera where it is in the target frame."""
+    rotation = np.array(pose["rotation"]) @ BLENDER_FROM_CAM
+    bpy.context.scene.camera.matrix_world = matrix(rotation, pose["translation"])
+
+
 def make_camera(table: dict[str, Any], pose: dict[str, Any]) -> None:
     """Put the camera in its place; its principal point is a shift in units of the width."""
     width, height = table["width"], table["height"]
@@ -115,10 +121,10 @@ def make_camera(table: dict[str, Any], pose: dict[str, Any]) -> None:
     data.shift_y = (table["cy"] - 0.5 * (height - 1)) / width
     data.clip_start, data.clip_end = 1e-3, 1e4
     camera = bpy.data.objects.new("camera", data)
-    camera.matrix_world = matrix(np.array(pose["rotation"]) @ BLENDER_FROM_CAM, pose["translation"])
     scene = bpy.context.scene
     scene.collection.objects.link(camera)
     scene.camera = camera
+    place_camera(pose)
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
 
@@ -217,6 +223,8 @@ def main(job_file: Path) -> None:
         for name, lamp in lamps.items():
             lamp.hide_render = name not in task["suns"]
         light_groups(lamps, task["suns"])
+        if task["target_from_cam"]:
+            place_camera(task["target_from_cam"])
         scene.cycles.samples = task["samples"]
         scene.cycles.seed = task["seed"]
         scene.render.filepath = task["out"]

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ import OpenEXR
 
 from models.arrays import Radiance
 from models.errors import RvbenchError
+from models.pose import RigidTransform
 
 HOUSE = Path(__file__).resolve().parents[2]
 ORACLE_PYTHON = HOUSE / ".venv-oracle" / "bin" / "python"
@@ -47,12 +48,27 @@ class Task:
         Per pixel, a square number.
     seed : int
     out : Path
+    cam_from_target : RigidTransform or None
+        Where the camera is, if not where the scene has it.
     """
 
     suns: tuple[str, ...]
     samples: int
     seed: int
     out: Path
+    cam_from_target: RigidTransform | None = None
+
+    def table(self) -> dict[str, Any]:
+        """Return the image as both sides read it."""
+        view = self.cam_from_target.inverse() if self.cam_from_target else None
+        return {
+            "suns": self.suns,
+            "samples": self.samples,
+            "seed": self.seed,
+            "out": str(self.out.resolve()),
+            "target_from_cam": view
+            and {"rotation": view.rotation.tolist(), "translation": view.translation.tolist()},
+        }
 
 
 @dataclass(frozen=True)
@@ -89,7 +105,7 @@ class Job:
         """Return the job as both sides read it."""
         return {
             "scene": str(self.scene.resolve()),
-            "renders": [asdict(task) | {"out": str(task.out.resolve())} for task in self.tasks],
+            "renders": [task.table() for task in self.tasks],
             "max_depth": self.max_depth,
             "threads": self.threads,
             "integrator": "path" if self.side == BARE else "groups",

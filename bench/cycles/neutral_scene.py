@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -135,10 +136,16 @@ class NeutralScene:
         (folder / "scene.json").write_text(json.dumps(table, indent=1))
 
 
+def read_pose(pose: dict[str, Any]) -> RigidTransform:
+    """Return ``cam_from_target`` of a camera's place in the target frame, as a file has it."""
+    rotation: Floats = np.array(pose["rotation"])
+    return RigidTransform(rotation, np.array(pose["translation"])).inverse()
+
+
 def read_scene(folder: Path) -> NeutralScene:
     """Read a scene that ``NeutralScene.write`` wrote."""
     table = json.loads((folder / "scene.json").read_text())
-    camera, pose = table["camera"], table["target_from_cam"]
+    camera = table["camera"]
     with np.load(folder / "meshes.npz") as arrays:
         meshes = tuple(
             NeutralMesh(
@@ -150,7 +157,6 @@ def read_scene(folder: Path) -> NeutralScene:
             )
             for number, entry in enumerate(table["meshes"])
         )
-    rotation: Floats = np.array(pose["rotation"])
     return NeutralScene(
         camera=Camera(
             camera["width"],
@@ -160,7 +166,7 @@ def read_scene(folder: Path) -> NeutralScene:
             camera["cx"],
             camera["cy"],
         ),
-        cam_from_target=RigidTransform(rotation, np.array(pose["translation"])).inverse(),
+        cam_from_target=read_pose(table["target_from_cam"]),
         suns=tuple(
             NeutralSun(**{**sun, "direction_in_target": tuple(sun["direction_in_target"])})
             for sun in table["suns"]

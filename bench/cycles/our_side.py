@@ -8,14 +8,22 @@ from __future__ import annotations
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import OpenEXR
 
-from bench.cycles.neutral_scene import NeutralMaterial, NeutralScene, NeutralSun, read_scene
+from bench.cycles.neutral_scene import (
+    NeutralMaterial,
+    NeutralScene,
+    NeutralSun,
+    read_pose,
+    read_scene,
+)
 from models.arrays import AnyArray, Radiance
+from models.pose import RigidTransform
 from renders.tracing.light_groups import SUNLIGHT, SunGroup
 from renders.tracing.surfaces import Surface, bsdf_dict
 from renders.variant.choice import activate, choose_variant
@@ -87,6 +95,10 @@ class OurRenderer:
         self.neutral, self.max_depth = neutral, max_depth
         self.geometry = geometry_of(neutral)
         self.scene = self.geometry.scene()
+
+    def look(self, cam_from_target: RigidTransform) -> None:
+        """Move the camera; the scene stays."""
+        self.neutral = replace(self.neutral, cam_from_target=cam_from_target)
 
     def render(self, suns: list[NeutralSun], samples: int, seed: int) -> dict[str, Radiance]:
         """Render the Suns, all in one pass.
@@ -224,6 +236,8 @@ def main(job_file: Path) -> None:
     clock.append(now("ready"))
     for task in job["renders"]:
         suns = [by_name[name] for name in task["suns"]]
+        if task["target_from_cam"] and isinstance(renderer, OurRenderer):
+            renderer.look(read_pose(task["target_from_cam"]))
         images = renderer.render(suns, task["samples"], task["seed"])
         clock.append(now("rendered"))
         write_exr(Path(task["out"]), images)

@@ -112,7 +112,13 @@ def neutral_scene(
     )
 
 
-def maxar_scene(size_px: int, suns: tuple[NeutralSun, ...], time_s: float = 0.0) -> NeutralScene:
+def maxar_scene(
+    size_px: int,
+    suns: tuple[NeutralSun, ...],
+    time_s: float = 0.0,
+    *,
+    with_chaser: bool = True,
+) -> NeutralScene:
     """Return the Maxar target before the chaser of the papers' approach, ``time_s`` into it.
 
     Parameters
@@ -121,11 +127,13 @@ def maxar_scene(size_px: int, suns: tuple[NeutralSun, ...], time_s: float = 0.0)
         Width and height.
     suns : tuple of NeutralSun
     time_s : float, s
+    with_chaser : bool
+        Whether it stands behind the camera and takes part in the light.
     """
     approach = Approach(pointing_accuracy_deg=0.0)
     return neutral_scene(
         spacecraft_by_name("maxar1300"),
-        spacecraft_by_name("chaser"),
+        spacecraft_by_name("chaser") if with_chaser else None,
         Camera.from_fov(size_px, size_px, 50.0),
         approach.cam_from_target(time_s),
         suns,

@@ -13,7 +13,7 @@ from rich.table import Table
 from bench.cycles.noise import Cost
 
 if TYPE_CHECKING:
-    from bench.cycles.speed import Row
+    from bench.cycles.speed_row import Row
 
 
 def spread(values: list[float], digits: int = 1) -> str:
