@@ -40,25 +40,29 @@ class _Spread:
 def _spread(pixels: Floats, grid: Floats, step: float, size: float, blur: float) -> _Spread:
     """Integrate a Gaussian over the squares of pixels and of the grid.
 
-    With ``g(z) = z Phi(z) + phi(z)``, two boxes of widths 1 and w, u apart, exchange
-    ``b [g((u + (1 + w) / 2) / b) - g((u + (1 - w) / 2) / b) - ...]`` under a blur of b.
+    Two boxes exchange the second difference of ``b g(u / b)`` over their edges' distances u, with
+    ``g(z) = z Phi(z) + phi(z)`` under a blur of b. Pixels stand one apart, cells a step: an edge is
+    two neighbours' own, and each pair of edges is looked at once.
     """
-    width = step * size
-    away = pixels[:, None] - size * grid[None, :]
-    half_sum, half_difference = 0.5 * (1.0 + width), 0.5 * (1.0 - width)
-    corners = (half_sum, half_difference, -half_difference, -half_sum)
-    scaled = np.stack([(away + corner) / blur for corner in corners])
+    pixel_edges = np.append(pixels, pixels[-1] + 1.0) - 0.5
+    cell_edges = size * (np.append(grid, grid[-1] + step) - 0.5 * step)
+    scaled = (pixel_edges[:, None] - cell_edges[None, :]) / blur
     density = np.exp(-0.5 * scaled * scaled) / np.sqrt(2.0 * np.pi)
     share = ndtr(scaled)
-    signs = np.array([1.0, -1.0, -1.0, 1.0])
-    by_away = np.tensordot(signs, share, axes=1)
-    by_width = 0.5 * (share[0] + share[1] - share[2] - share[3])
+    within = share[1:] - share[:-1]  # of the blur, by pixel and edge of a cell
+    by_away = within[:, :-1] - within[:, 1:]
+    by_width = 0.5 * (within[:, :-1] + within[:, 1:])
     return _Spread(
-        value=blur * np.tensordot(signs, scaled * share + density, axes=1),
+        value=blur * _exchanged(scaled * share + density),
         by_centre=-by_away,
         by_size=step * by_width - grid * by_away,
-        by_blur=np.tensordot(signs, density, axes=1),
+        by_blur=_exchanged(density),
     )
+
+
+def _exchanged(at_edges: Floats) -> Floats:
+    by_pixel = at_edges[1:] - at_edges[:-1]
+    return by_pixel[:, :-1] - by_pixel[:, 1:]
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,25 +142,22 @@ class CubeFace:
         brightness = height + ramp_x * template.x + ramp_y * template.y[:, None]
         whole = brightness * profile
 
-        sideways = whole @ across.value.T
-        raw = np.stack(
-            [
-                down.value @ (whole @ across.by_centre.T),
-                down.by_centre @ sideways,
-                down.value @ (whole @ across.by_size.T) + down.by_size @ sideways,
-                down.value @ (whole @ across.by_blur.T) + down.by_blur @ sideways,
-                *(
-                    down.value @ (picture @ across.value.T)
-                    for picture in (
-                        profile,
-                        leaning_x,
-                        leaning_y,
-                        brightness * (smooth - lit),
-                        -brightness * (1.0 - even) * template.edges,
-                    )
-                ),
-            ]
+        pictures = (
+            whole,
+            profile,
+            leaning_x,
+            leaning_y,
+            brightness * (smooth - lit),
+            -brightness * (1.0 - even) * template.edges,
         )
+        rows = len(whole)
+        sideways = (np.concatenate(pictures) @ across.value.T).reshape(len(pictures), rows, -1)
+        slopes = np.concatenate([across.by_centre, across.by_size, across.by_blur])
+        leaning = (whole @ slopes.T).reshape(rows, 3, -1).transpose(1, 0, 2)
+        seen = down.value @ np.concatenate([leaning, sideways[1:]])
+        turned = np.concatenate([down.by_centre, down.by_size, down.by_blur]) @ sideways[0]
+        turned = turned.reshape(3, len(down.value), -1)
+        raw = np.stack([seen[0], turned[0], seen[1] + turned[1], seen[2] + turned[2], *seen[3:]])
         image = np.tensordot(parameters.linear[:3], raw[4:7], axes=1)
         shared = exchanged(raw, parameters.crosstalk)
         design = np.empty((PARAMETERS + 2, *shared.shape[1:]))

@@ -230,7 +230,7 @@ class Simulation:
             raise ScenarioError(
                 f"expected exposure_ms from {SHORTEST_MS:g} to {LONGEST_MS:g}, got {exposure_ms!r}"
             )
-        self._studio.world = world
+        self._studio.world, self._studio.open_ms = world, exposure_ms
         readings: dict[str, Reading] = {}
         clock = self.world.clock(self.run)
         for exposure in exposures:

@@ -15,6 +15,7 @@ from models.errors import StorageError
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from models.spacecraft.stance import Stance
+from renders.batches.moving_light import seed_of, traced_open
 from renders.batches.replay import read_groups
 from renders.store.kept_light import ALL_LIGHT, LightKeeping
 from renders.store.light_keys import LightKeys
@@ -25,6 +26,7 @@ from renders.truth.makers import SealedRecord
 from renders.variant.choice import activate
 from renders.world.exposure import Exposure
 from renders.world.noise_limits import noise_limits
+from renders.world.shutter import OpenShutter, open_shutter
 from renders.world.world import World
 
 if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known to render
@@ -32,6 +34,7 @@ if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known 
     from renders.tracing.light_paths.landed import Landed
     from renders.tracing.light_paths.sunlit import Sunlit
     from renders.tracing.light_paths.to_lens import Landings
+    from renders.tracing.radiance import Sampling
     from renders.truth.pixel_truth import PixelTruth
 
 SUN_SEED = 0xB0
@@ -50,6 +53,12 @@ class Studio:
     placed: tuple[RigidTransform, Stance] | None = None
     kept: LightKeeping = ALL_LIGHT
     sunlit: Sunlit | None = None
+    open_ms: float | None = None
+    """How long exposures last, if not as planned."""
+    _opened: tuple[World, float | None, Exposure, OpenShutter | None] | None = field(
+        default=None, init=False
+    )
+    """What was last added up in an exposure, and under which terms."""
     _landed: dict[SunGroup, Landings] = field(default_factory=dict, init=False)
     """Bounced light that was followed or read, by its Sun."""
     _waiting: dict[int, dict[str, AnyArray]] = field(default_factory=dict, init=False)
@@ -75,7 +84,13 @@ class Studio:
     def group_keys(self, exposure: Exposure, cam_from_target: RigidTransform) -> dict[str, str]:
         """Return the store keys of everything that can light an exposure, by group name."""
         groups = self.world.groups(exposure)
-        return {group.name: self.keys.group(exposure, cam_from_target, group) for group in groups}
+        return {group.name: self.group_key(exposure, cam_from_target, group) for group in groups}
+
+    def group_key(
+        self, exposure: Exposure, cam_from_target: RigidTransform, group: LightGroup
+    ) -> str:
+        """Return the store key of what one group is in an exposure."""
+        return self.keys.group(exposure, cam_from_target, group, self._shutter(exposure))
 
     def light(
         self,
@@ -116,7 +131,7 @@ class Studio:
         for exposure in exposures:
             if self.world.shows_earth(exposure, cam_from_target) == anywhere:  # of the same pixels
                 for group in self.world.groups(exposure):
-                    key = self.keys.group(exposure, cam_from_target, group)
+                    key = self.group_key(exposure, cam_from_target, group)
                     wanted.setdefault(key, (exposure, group))
         named, limits = dict[str, LightGroup](), dict[str, NoiseLimit]()
         for exposure, group in wanted.values():
@@ -172,29 +187,81 @@ class Studio:
         -------
         dict of (height, width) float32 arrays, W m-2 sr-1, by group name.
         """
-        from renders.tracing.radiance import Sampling, render_radiance
+        from renders.tracing.radiance import Sampling
 
+        shutter = self._shutter(exposure)
+        if shutter is not None:
+            return self._trace_open(shutter, exposure, cam_from_target, groups)
         self.build(exposure, cam_from_target)
         render = self.world.scenario.render
         anywhere = self.world.shows_earth(exposure, cam_from_target)
         in_view = None if anywhere else self._silhouette(exposure, cam_from_target)
-        return render_radiance(
-            self.scene,
-            self.geometry,
-            self.world.camera,
-            cam_from_target,
-            groups,
-            self.markers,
-            Sampling(
-                samples=render.samples,
-                marker_samples=render.marker_samples,
-                max_depth=render.max_depth,
-                seed=self.world.render_seed(exposure.frame),
-                noise=limits or noise_limits(self.world, exposure, groups, self.keys.prior),
-                found=self._found(exposure, cam_from_target, groups),
-            ),
-            in_view,
+        sampling = Sampling(
+            samples=render.samples,
+            marker_samples=render.marker_samples,
+            max_depth=render.max_depth,
+            seed=self.world.render_seed(exposure.frame),
+            noise=limits or noise_limits(self.world, exposure, groups, self.keys.prior),
+            found=self._found(exposure, cam_from_target, groups),
         )
+        return self._traced(cam_from_target, groups, sampling, in_view)
+
+    def _trace_open(
+        self,
+        shutter: OpenShutter,
+        exposure: Exposure,
+        middle: RigidTransform,
+        groups: Sequence[LightGroup],
+    ) -> dict[str, Radiance]:
+        """Trace groups at each instant that the shutter is open."""
+        from renders.tracing.radiance import Sampling
+
+        render = self.world.scenario.render
+        seed = self.world.render_seed(exposure.frame)
+
+        def at(
+            instant: Exposure, pose: RigidTransform, rows: Mask, number: int
+        ) -> dict[str, Radiance]:
+            if self.world.arm is None:  # out of sight: where it stands by a hair tells nobody
+                self.build(exposure, middle)
+            else:
+                self.build(instant, pose)
+            if not self.world.shows_earth(instant, pose):
+                filled = self.world.silhouette(pose, self.world.stance(instant.time_s))
+                rows = rows if filled is None else rows & filled
+            sampling = Sampling(
+                samples=shutter.samples(render.samples),
+                marker_samples=shutter.samples(render.marker_samples),
+                max_depth=render.max_depth,
+                seed=seed_of(seed, number),
+            )
+            return self._traced(pose, groups, sampling, rows)
+
+        return traced_open(shutter, exposure, groups, self.world.camera.width, at)
+
+    def _traced(
+        self,
+        cam_from_target: RigidTransform,
+        groups: Sequence[LightGroup],
+        sampling: Sampling,
+        in_view: Mask | None,
+    ) -> dict[str, Radiance]:
+        """Trace groups from where the scene was built for."""
+        from renders.tracing.radiance import render_radiance
+
+        camera, markers = self.world.camera, self.markers
+        return render_radiance(
+            self.scene, self.geometry, camera, cam_from_target, groups, markers, sampling, in_view
+        )
+
+    def _shutter(self, exposure: Exposure) -> OpenShutter | None:
+        """Return what is added up in an exposure; None if it is of one instant."""
+        terms = (self.world, self.open_ms, exposure)
+        last = self._opened
+        if last is None or last[0] is not terms[0] or last[1:3] != terms[1:]:
+            last = (*terms, open_shutter(self.world, exposure, self.keys.prior, self.open_ms))
+            self._opened = last
+        return last[3]
 
     def _found(
         self, exposure: Exposure, cam_from_target: RigidTransform, groups: Sequence[LightGroup]

@@ -167,7 +167,7 @@ class PoseLight:
             own = []
             for exposure in self.exposures:
                 for group in world.lit_by(exposure):
-                    key = self.studio.keys.group(exposure, self.poses[exposure.band], group)
+                    key = self.studio.group_key(exposure, self.poses[exposure.band], group)
                     own.append(known.setdefault(key, GroupOfExposure(exposure, group, key)))
             found.append(own)
         return found
@@ -179,7 +179,7 @@ class PoseLight:
         """
         return {
             exposure.band: {
-                group.name: self.studio.keys.group(exposure, self.poses[exposure.band], group)
+                group.name: self.studio.group_key(exposure, self.poses[exposure.band], group)
                 for group in self.worlds[sun].lit_by(exposure)
             }
             for exposure in self.exposures

@@ -63,6 +63,7 @@ from renders.scenario.navigation_tables import NavigationTable, check_navigation
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
 from renders.scenario.range_tables import RangeFinderTable, check_range_finder
+from renders.scenario.shutter_table import ShutterTable, check_shutter
 from renders.scenario.sky_tables import StarsTable, check_stars
 from renders.scenario.sun_choice import check_suns
 from renders.scenario.surface_tables import SurfaceTable
@@ -147,6 +148,9 @@ class Scenario(Table):
     motion: MotionTable = MotionTable()  # type: ignore[call-arg]
     render: RenderTable = RenderTable()  # type: ignore[call-arg]
     exposure: ExposureTable = ExposureTable()  # type: ignore[call-arg]
+    shutter: ShutterTable | None = Field(
+        None, description="where the camera moves while its shutter is open"
+    )
     prior: PriorTable = PriorTable()  # type: ignore[call-arg]
     calibration: CalibrationTable = CalibrationTable()  # type: ignore[call-arg]
     tumble: TumbleTable | None = Field(None, description="a free target, without markers")
@@ -318,6 +322,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     if scenario.frame_kind == "pairs":
         gap = ("motion.pair_gap_ms", scenario.motion.pair_gap_ms)
     check_exposure(scenario.exposure, *gap, where)
+    check_shutter(scenario, where)
     check_focus(scenario.optics, where)
     check_earth(scenario.earth, where)
     check_stars(scenario.stars, where)

@@ -14,6 +14,7 @@ from renders.store.radiance_store import entry_key
 from renders.tracing.light_groups import LightGroup, SunGroup
 from renders.world.exposure import Exposure
 from renders.world.noise_limits import noise_limits
+from renders.world.shutter import OpenShutter
 from renders.world.sun_paths import sun_paths
 from renders.world.world import World
 
@@ -75,7 +76,13 @@ class LightKeys:
             placed["frames"] = [frame.matrix().tolist() for frame in frames]
         return placed
 
-    def group(self, exposure: Exposure, cam_from_target: RigidTransform, group: LightGroup) -> str:
+    def group(
+        self,
+        exposure: Exposure,
+        cam_from_target: RigidTransform,
+        group: LightGroup,
+        shutter: OpenShutter | None = None,
+    ) -> str:
         """Return the key of one light group in one exposure.
 
         Parameters
@@ -84,11 +91,15 @@ class LightKeys:
         cam_from_target : RigidTransform
             The true pose at that exposure.
         group : LightGroup
+        shutter : OpenShutter, optional
+            Where the camera moves in it.
         """
         kind = {"kind": type(group).__name__, "group": asdict(group)}
         limits = noise_limits(self.world, exposure, [group], self.prior)
         noise = None if limits is None else asdict(limits[group.name])
         made = {"noise": noise, "found": self._found(group)}
+        if shutter is not None:
+            made["shutter"] = shutter.key
         return entry_key({**self._placed(exposure, cam_from_target), **kind, **made})
 
     def _found(self, group: LightGroup) -> Any:
