@@ -43,7 +43,7 @@ class OpenShutter:
     row_weights: Floats
 
     def samples(self, of_a_pixel: int) -> int:
-        """Return how many samples an instant needs: no row is noisier than in a frame at rest."""
+        """Return how many samples an instant needs for as many in a row as in a frame at rest."""
         share = float(np.max(np.sum(self.row_weights**2, axis=0)))
         return 1 << int(np.ceil(np.log2(max(of_a_pixel * share, 1.0))))
 
