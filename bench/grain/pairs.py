@@ -40,7 +40,16 @@ COLUMNS = (
 
 
 def with_seed(case: str, seed: int, folder: Path) -> Path:
-    """Write a case with another seed of its light, its Suns not shared, and return its file."""
+    """Write a case with another seed of its light, its Suns not shared, and return its file.
+
+    Parameters
+    ----------
+    case : str
+    seed : int
+        Of the light.
+    folder : Path
+        Where the file goes.
+    """
     table = tomllib.loads(case_path(case).read_text())
     table["render"] = {**table.get("render", {}), "seed": seed}
     table.get("sun", {}).pop("shared", None)

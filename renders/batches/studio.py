@@ -89,7 +89,14 @@ class Studio:
     def group_key(
         self, exposure: Exposure, cam_from_target: RigidTransform, group: LightGroup
     ) -> str:
-        """Return the store key of what one group is in an exposure."""
+        """Return the store key of what one group is in an exposure.
+
+        Parameters
+        ----------
+        exposure : Exposure
+        cam_from_target : RigidTransform
+        group : LightGroup
+        """
         return self.keys.group(exposure, cam_from_target, group, self._shutter(exposure))
 
     def light(
@@ -210,7 +217,7 @@ class Studio:
         self,
         shutter: OpenShutter,
         exposure: Exposure,
-        middle: RigidTransform,
+        cam_from_target: RigidTransform,
         groups: Sequence[LightGroup],
     ) -> dict[str, Radiance]:
         """Trace groups at each instant that the shutter is open."""
@@ -223,7 +230,7 @@ class Studio:
             instant: Exposure, pose: RigidTransform, rows: Mask, number: int
         ) -> dict[str, Radiance]:
             if self.world.arm is None:  # out of sight: where it stands by a hair tells nobody
-                self.build(exposure, middle)
+                self.build(exposure, cam_from_target)
             else:
                 self.build(instant, pose)
             if not self.world.shows_earth(instant, pose):
