@@ -65,6 +65,29 @@ def _exchanged(at_edges: Floats) -> Floats:
     return by_pixel[:, :-1] - by_pixel[:, 1:]
 
 
+def _pictures(template: CubeTemplate, parameters: DiscParameters) -> Floats:
+    """Return what is seen through lens and pixels, (6, m, n), over the grid.
+
+    The face as it shines; by its height and by both ramps; by both shares.
+    """
+    even, darkness = parameters.shares
+    ramp_x, ramp_y = parameters.ramp_dn_px
+    brightness = parameters.height_dn + ramp_x * template.x + (ramp_y * template.y)[:, None]
+    pictures: Floats = np.empty((6, *template.face.shape))
+    whole, profile, leaning_x, leaning_y, by_even, by_darkness = pictures
+    lit = template.aperture - darkness * template.edges
+    np.subtract(template.even, lit, out=by_even)
+    np.multiply(even, by_even, out=profile)
+    profile += lit
+    np.multiply(brightness, profile, out=whole)
+    np.multiply(profile, template.x, out=leaning_x)
+    np.multiply(profile, template.y[:, None], out=leaning_y)
+    by_even *= brightness
+    np.multiply(brightness, template.edges, out=by_darkness)
+    by_darkness *= even - 1.0
+    return pictures
+
+
 @dataclass(frozen=True, eq=False)
 class CubeFace:
     """A cube's face as an appearance.
@@ -130,28 +153,15 @@ class CubeFace:
             Derivatives by the parameters.
         """
         template, size, blur = self.template, parameters.size, parameters.blur_px
-        even, darkness = parameters.shares
         step = template.step_px
         across = _spread(x[0] - parameters.centre_px[0], template.x, step, size, blur)
         down = _spread(y[:, 0] - parameters.centre_px[1], template.y, step, size, blur)
-        lit = template.aperture - darkness * template.edges
-        smooth = template.aperture_share * template.face
-        profile = (1.0 - even) * lit + even * smooth
-        leaning_x, leaning_y = profile * template.x, profile * template.y[:, None]
-        height, (ramp_x, ramp_y) = parameters.height_dn, parameters.ramp_dn_px
-        brightness = height + ramp_x * template.x + ramp_y * template.y[:, None]
-        whole = brightness * profile
-
-        pictures = (
-            whole,
-            profile,
-            leaning_x,
-            leaning_y,
-            brightness * (smooth - lit),
-            -brightness * (1.0 - even) * template.edges,
-        )
+        pictures = _pictures(template, parameters)
+        whole = pictures[0]
         rows = len(whole)
-        sideways = (np.concatenate(pictures) @ across.value.T).reshape(len(pictures), rows, -1)
+        sideways = (pictures.reshape(-1, pictures.shape[2]) @ across.value.T).reshape(
+            len(pictures), rows, -1
+        )
         slopes = np.concatenate([across.by_centre, across.by_size, across.by_blur])
         leaning = (whole @ slopes.T).reshape(rows, 3, -1).transpose(1, 0, 2)
         seen = down.value @ np.concatenate([leaning, sideways[1:]])

@@ -13,6 +13,7 @@ promised. All three are their own images about the centre, but for perspective.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -49,7 +50,12 @@ class CubeTemplate:
     edges: Floats
     face: Floats
 
-    @property
+    @cached_property
+    def even(self) -> Floats:
+        """(m, n) array: as much light from the whole face evenly."""
+        return self.aperture_share * self.face
+
+    @cached_property
     def aperture_share(self) -> float:
         """Area that returns light, edges taken off, over the face's."""
         return float((self.aperture - self.edges).sum() / max(self.face.sum(), 1e-9))
@@ -69,6 +75,11 @@ class _Face:
         across = self.by_u[0] * along_x + self.by_u[1] * along_y
         down = self.by_v[0] * along_x + self.by_v[1] * along_y
         return np.asarray(step_px * np.hypot(across, down))
+
+    def widest(self, step_px: float) -> float:
+        """Return the most that a grid cell covers along any unit vector."""
+        slopes = np.concatenate([self.by_u, self.by_v])
+        return float(step_px * np.linalg.norm(slopes))
 
 
 def cube_template(
@@ -157,9 +168,13 @@ def _face(
 def _inside(face: _Face, x: float, y: float, step_px: float) -> Floats:
     """Return the share of each grid cell inside a circle of radius 1 about a place."""
     away_x, away_y = face.x - x, face.y - y
-    distance = np.hypot(away_x, away_y) + 1e-12
+    distance = np.sqrt(away_x * away_x + away_y * away_y) + 1e-12
+    share = (distance < 1.0).astype(np.float64)
+    rim = np.abs(distance - 1.0) < face.widest(step_px)
+    away_x, away_y, distance = away_x[rim], away_y[rim], distance[rim]
     width = face.width(away_x / distance, away_y / distance, step_px)
-    return np.asarray(np.clip(0.5 + (1.0 - distance) / (width + 1e-12), 0.0, 1.0))
+    share[rim] = np.clip(0.5 + (1.0 - distance) / (width + 1e-12), 0.0, 1.0)
+    return share
 
 
 def _lines(face: _Face, lines: list[tuple[float, float]], half: float, step_px: float) -> Floats:
