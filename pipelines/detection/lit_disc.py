@@ -18,11 +18,12 @@ from models.sensors.camera_chip import Detector
 from pipelines.detection.edge_band import EdgeBand, FoundEdge, find_edge
 
 SECTION_PX = 8.0  # along the rim
-SECTIONS = (16, 48)
+SECTIONS = (8, 16, 48)  # at least; of radii that are not small; at most
 BAND_PX, BAND_SHARE = 3.5, 0.45  # half-width: so much and what the blur takes, at most of a radius
 BLURS = 1.5
 LEAST_STEP_SIGMAS = 8.0
 MOST_MISFIT = 0.06  # of a section, over its step
+SMALL_PX = 12.0  # radius below which sections are fewer, and misfit more: pixels are no points
 OUTLIER_SIGMAS, LEAST_SPREAD_PX = 4.0, 0.02
 SECTION_FLOOR_PX = 0.004  # 1-sigma of a section's place from taking its edge and light as even
 CENTRE_FLOOR_PX, CENTRE_FLOOR_SHARE = 0.003, 7e-4  # and of the radius: light is not quite even
@@ -179,9 +180,16 @@ def _band(
     normals = np.stack([gradient_x[row, column], gradient_y[row, column]], axis=1)
     normals /= steepness[row, column][:, None]
     gains = gain[row, column]
-    count = int(np.clip(round(2.0 * np.pi * radius / SECTION_PX), *SECTIONS))
+    count = _section_count(radius)
     section = _sections(shape_px2, x[0, column], y[row, 0], count)
     return EdgeBand(section, near, normals, level[row, column] * gains, gains, count)
+
+
+def _section_count(radius: float) -> int:
+    """Return how many sections a rim has; a small disc's get too few pixels if they are many."""
+    fewest, several, most = SECTIONS
+    as_usual = np.clip(round(2.0 * np.pi * radius / SECTION_PX), several, most)
+    return int(np.clip(round(several * radius / SMALL_PX), fewest, as_usual))
 
 
 def _sections(shape_px2: Floats, x: Floats, y: Floats, count: int) -> Indices:
@@ -216,18 +224,19 @@ def _centre(
     found: FoundEdge, ways: _Ways, known: KnownDisc, radius: float, width: float
 ) -> LitDisc | str:
     """Lay a disc through the sections that agree."""
+    most_misfit = MOST_MISFIT * max(SMALL_PX / radius, 1.0)
     with np.errstate(invalid="ignore"):
         clear = (
             np.isfinite(found.sigma_px)
             & (found.step > LEAST_STEP_SIGMAS * found.step_sigma)
-            & (found.misfit < MOST_MISFIT)
+            & (found.misfit < most_misfit)
             & (np.abs(found.offset_px) < width - 1.0)
         )
     if not clear.any():
         return "nothing shows of its rim"
     crossed = ~clear & (np.roll(clear, 1) | np.roll(clear, -1))
-    guard = np.roll(crossed & (found.misfit >= MOST_MISFIT), 1) | np.roll(
-        crossed & (found.misfit >= MOST_MISFIT), -1
+    guard = np.roll(crossed & (found.misfit >= most_misfit), 1) | np.roll(
+        crossed & (found.misfit >= most_misfit), -1
     )
     clear &= ~guard
     floor_px = np.hypot(SECTION_FLOOR_PX, known.shape_sigma * radius)

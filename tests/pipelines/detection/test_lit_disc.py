@@ -141,3 +141,25 @@ def test_the_covariance_is_what_the_noise_makes_of_it() -> None:
     # Chi-square of 59 over 59 is within 0.6 and 1.6 in 99.8 of 100.
     assert (ratio < 1.6).all()
     assert (ratio > 0.6).all()
+
+
+SMALL_M = 2.7  # from where a dot is 4.6 px in radius, its rim 29 px long
+SMALL_BLUR_PX = (
+    0.125  # of a chip whose pixels are four times as large as the lens's blur is made for
+)
+WITHIN_SIGMAS = 3.5  # of 36 numbers
+
+
+def test_a_small_disc_is_found_in_fewer_sections_and_its_sigma_holds() -> None:
+    pulls = []
+    for turn in range(6):
+        pose = facing(SMALL_M, [3.0 * turn, 8.0, 15.0 * turn], (0.003 * turn, 0.0))
+        raw = raw_image(DotScene(pose, blur_px=SMALL_BLUR_PX))
+        outlines = outlines_of(pose)
+        assert outlines.radii_px.max() < 5.0
+        for index in range(3):
+            disc = fitted(raw, outlines, index)
+            assert isinstance(disc, LitDisc), disc
+            pulls.append(disc.shift_px / np.sqrt(np.diag(disc.covariance_px2)))
+            assert np.sqrt(np.trace(disc.covariance_px2)) < 0.2
+    assert np.abs(pulls).max() < WITHIN_SIGMAS
