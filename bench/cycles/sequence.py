@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.cycles.course import Course, noise_ratios
+from bench.cycles.course import REFERENCE_FACTOR, REFERENCE_SEED, Course, noise_ratios
 from bench.cycles.jobs import CYCLES, OURS, read_radiance
 from bench.cycles.neutral_scene import NeutralScene
 from bench.cycles.noise import Cost, cost_of, relative_mse, whole_frame_mse
@@ -25,8 +25,6 @@ EXPOSURES = 20
 SUNS = tuple(SUN_CASES_DEG)
 SCENE = "sequence"
 JUDGED = (1, 11, 16)  # exposures whose noise stands for all; their Suns are S2, S5 and S3
-REFERENCE_FACTOR = 25  # times the samples: its own noise is 4 % of what is measured
-REFERENCE_SEED = 1000
 ONE_BY_ONE_TARGET = GROUPS_TARGET = 100.0
 
 

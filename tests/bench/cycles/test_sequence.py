@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bench.cycles.course import Course
+from bench.cycles.course import REFERENCE_FACTOR, Course
 from bench.cycles.jobs import OURS, read_radiance
 from bench.cycles.scene_export import maxar_scene
 from bench.cycles.sequence import (
     EXPOSURES,
     JUDGED,
-    REFERENCE_FACTOR,
     SCENE,
     SUNS,
     noise,
