@@ -162,6 +162,11 @@ def plan_sweep(request: SweepRequest) -> SweepPlan:
     check_option("--memory-gb", request.memory_gb, 0.0, MOST_MEMORY_GB)
     for exposure_ms in request.exposure_ms:
         check_option("--exposure-ms", exposure_ms, *EXPOSURE_MS)
+    if request.exposure_ms and scenario.shutter is not None and scenario.shutter.blur:
+        raise ScenarioError(
+            f"{request.case}: expected no --exposure-ms with shutter.blur, where light is traced "
+            f"for one exposure time, got {request.exposure_ms[0]:g}; type exposure.exposure_ms"
+        )
     for lamp_w_sr in request.lamp_w_sr:
         check_option("--lamp-w-sr", lamp_w_sr, *LAMP_W_SR)
     if request.marker_samples is not None:

@@ -184,7 +184,8 @@ def judged_row(
         Of the other draws.
     """
     counts = judged.counts
-    verdict: Verdict = "all found" if counts.found == counts.expected else "some missed"
+    silent = judged.estimate.detections is None  # what it found is not told: its pose alone counts
+    verdict: Verdict = "all found" if silent or counts.found == counts.expected else "some missed"
     if judged.position_m is None:
         verdict = "no pose"
     elif judged.wrong:

@@ -205,8 +205,8 @@ class Simulation:
             Of the frame, after that before; of a pair, middle of the 850 nm exposure.
         cam_from_target : RigidTransform or callable, optional
             The true pose: one that holds for all exposures of the frame, or ``pose(time_s)``, asked
-            at the middle of each exposure (and, where stars shine, within it). Unless given, that
-            of the scenario's own motion.
+            at the middle of each exposure (and, where stars shine or ``[shutter]`` is open, within
+            and beside it). Unless given, that of the scenario's own motion.
         sun_dir_in_target : (3,) array, optional
             Towards the Sun, any length; unless given, as the scenario says.
         exposure_ms : float, optional, ms

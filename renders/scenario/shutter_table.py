@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING
 from pydantic import Field
 
 from models.errors import ScenarioError
+from renders.scenario.motion_choice import shortest_gap_ms, takes_stills
 from renders.scenario.table import Table
 
 if TYPE_CHECKING:
     from renders.scenario.scenario import Scenario
+
+
+LONGEST_FRAME_MS = 1000.0
 
 
 class ShutterTable(Table):
@@ -45,6 +49,23 @@ def check_shutter(scenario: Scenario, where: str) -> None:
             f"{where}: expected exposure.mode as fixed, schedule or table with shutter.blur, got "
             "'auto': light is traced before an image can be metered, and how far the camera moves "
             "in it must be known by then"
+        )
+    if takes_stills(scenario):
+        raise ScenarioError(
+            f"{where}: expected motion.poses as 'interpolated' with [shutter]: stills do not move"
+        )
+    rows_ms = 1e-3 * table.row_us * (scenario.simulated_camera.height - 1)
+    open_ms = scenario.exposure.exposure_ms if scenario.exposure.mode == "fixed" else 0.0
+    least_ms = min(
+        shortest_gap_ms(scenario),
+        scenario.motion.pair_gap_ms if scenario.frame_kind == "pairs" else LONGEST_FRAME_MS,
+        LONGEST_FRAME_MS,
+    )
+    if rows_ms + open_ms >= least_ms:
+        raise ScenarioError(
+            f"{where}: expected all rows to be read before the next image begins, in "
+            f"{least_ms:g} ms; shutter.row_us of {table.row_us:g} takes {rows_ms:.4g} ms over "
+            f"{scenario.simulated_camera.height} rows, beside {open_ms:g} ms of exposure"
         )
     for key in ("noise", "paths"):
         if getattr(scenario.render, key):

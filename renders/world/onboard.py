@@ -110,8 +110,9 @@ class BeforeFlight:
             markers = self.marked.target.markers
             if markers is None:
                 raise ScenarioError(
-                    f"expected a target with markers, {self.marked.target.name} has none; "
-                    "the 800/850 nm pair shows retroreflectors only"
+                    f"expected a target with markers, {self.marked.target.name} has none; the "
+                    "800/850 nm pair shows retroreflectors only; give [markers], or take single "
+                    "images, [frame] kind = 'single'"
                 )
             if not markers.paint:  # told as drawn
                 index = self.marked.optics.refractive_index

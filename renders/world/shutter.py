@@ -15,13 +15,15 @@ import numpy as np
 from models.arrays import Floats
 from models.onboard import PosePrior
 from models.pose import RigidTransform
+from renders.tracing.silhouette import pieces_of
 from renders.world.exposure import Exposure
 from renders.world.world import World
 
 STEP_PX = 0.25  # that an image moves by from one instant to the next, at most
 STILL_PX = 0.01  # over a whole frame: below, it is an image of one instant
-MOST_INSTANTS = 128
-MOST_VERTICES = 3000  # of the target, by whose places the motion is measured
+MOST_INSTANTS = 1024  # what moves further than so many steps is seen in wider ones
+MOMENTS = (-0.5, -0.25, 0.0, 0.25, 0.5)  # of the time a frame takes, at which its way is measured
+MOST_VERTICES = 3000  # by whose places it is measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,16 +131,19 @@ def _of_a_hat(u: Floats) -> Floats:
 
 
 def _moved_px(world: World, time_s: float, spread_s: float) -> float:
-    """Return how far any of the target that is in the image moves in it, px."""
-    vertices = np.concatenate([part.mesh.vertices for part in world.target.parts])
-    vertices = vertices[:: max(1, len(vertices) // MOST_VERTICES)]
-    places = []
-    for share in (-0.5, 0.0, 0.5):
-        pose = world.trajectory.cam_from_target(time_s + share * spread_s)
+    """Return how far anything moves in the image, px: target, arm, whatever crosses it."""
+    places: list[Floats] = []
+    for share in MOMENTS:
+        at_s = time_s + share * spread_s
+        pose = world.trajectory.cam_from_target(at_s)
+        pieces = pieces_of(world.target, world.chaser, pose, world.stance(at_s))
+        vertices = np.concatenate([np.atleast_2d(piece) for piece in pieces])
+        vertices = vertices[:: max(1, len(vertices) // MOST_VERTICES)]
         places.append(world.camera.project(pose @ vertices))
-    shown = np.all([world.camera.contains(place, 0.0) for place in places], axis=0)
-    if not shown.any():
-        return 0.0
-    first, middle, last = (place[shown] for place in places)
-    legs = np.linalg.norm(middle - first, axis=1) + np.linalg.norm(last - middle, axis=1)
-    return float(legs.max())
+    ways = np.stack(places)
+    ways = ways[:, np.isfinite(ways).all(axis=(0, 2))]
+    low, high = ways.min(axis=0), ways.max(axis=0)
+    size = [world.camera.width, world.camera.height]
+    crossing = ((high > 0.0) & (low < size)).all(axis=1)
+    legs = np.linalg.norm(np.diff(ways[:, crossing], axis=0), axis=2)
+    return float(legs.sum(axis=0).max(initial=0.0))

@@ -107,3 +107,11 @@ def test_a_pose_of_stills_is_a_row_of_their_table(tmp_path):
         of_stills(tmp_path, time_s=(1.3,))
     with pytest.raises(ScenarioError, match=r"expected --range-m from 4\.50 to 6\.00"):
         of_stills(tmp_path, range_m=(9.0,))
+
+
+def test_light_that_was_traced_for_one_exposure_is_not_asked_for_another(tmp_path):
+    case = tmp_path / "blurred.toml"
+    case.write_text('name = "blurred"\n[shutter]\nblur = true\n')
+    plan_sweep(SweepRequest(str(case), Path("unused"), time_s=(5.0,)))
+    with pytest.raises(ScenarioError, match="no --exposure-ms with shutter.blur"):
+        plan_sweep(SweepRequest(str(case), Path("unused"), time_s=(5.0,), exposure_ms=(3.0,)))

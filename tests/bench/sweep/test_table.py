@@ -93,6 +93,11 @@ def test_rows_come_back_from_both_files(tmp_path_factory, rows):
     assert read_json(folder / "t.json") == (rows, {"case": "x"})
 
 
+def test_a_pipeline_that_tells_of_no_detections_is_judged_by_its_pose():
+    silent = dataclasses.replace(perfect_estimate(TRUTH), detections=None)
+    assert judged(silent).verdict == "all found"
+
+
 def test_every_column_with_a_dimension_names_its_unit():
     units = ("_deg", "_s", "_m", "_ms", "_w_sr", "_mm", "_percent")
     for field in dataclasses.fields(Row):
