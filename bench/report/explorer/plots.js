@@ -31,7 +31,7 @@ function startPlots() {
     const base = { stroke: colour, width: 1.5, points: { show: false } };
     if (line.kind === "line") return [{ ...base, points: { show: !many, size: 5, fill: colour } }];
     if (line.kind === "dots") {
-      return [{ ...base, paths: () => null, points: { show: true, size: 3, fill: colour } }];
+      return [{ ...base, paths: () => null, points: { show: true, size: many ? 3 : 5, fill: colour } }];
     }
     if (line.kind === "level") return [{ ...base, width: 1, dash: [6, 4] }];
     if (line.kind === "steps") return [{ ...base, paths: uPlot.paths.stepped({ align: 1 }) }];
