@@ -16,6 +16,7 @@ from bench.scoring.pose_summary import errors_of
 from models.arrays import Floats
 
 MOST_TICKS = 5  # whose numbers do not run into each other
+WIDE_SPAN = 30.0  # over which the powers of ten are numbers enough
 LEAST_SPAN = 1e-3  # of an axis, over the value at its middle
 
 
@@ -37,14 +38,14 @@ def standing_figure(comparison: Comparison) -> str:
                     own.value, place, xerr=[[own.value - low], [high - own.value]], fmt="o",
                     ms=5.0, capsize=3.0, color=colour_of(standing.label, sorted(labels)),
                 )  # fmt: skip
-            unit = f", {MEASURES[name].unit}" if MEASURES[name].unit else ""
-            panel.set_title(MEASURES[name].title + unit)
+            panel.set_title(MEASURES[name].title)
+            panel.set_xlabel(MEASURES[name].unit)
             panel.set_yticks(range(len(labels)), labels)
             if name != "ar":
                 _logarithmic(panel, "x")
         panels[0].invert_yaxis()
 
-    return drawn_svg(draw, (11.0, 1.2 + 0.32 * len(labels)))
+    return drawn_svg(draw, (11.0, 1.4 + 0.32 * len(labels)))
 
 
 def recall_figure(comparison: Comparison) -> str:
@@ -126,7 +127,9 @@ def _logarithmic(panel: Any, along: str) -> None:
     if any((np.asarray(values, dtype=np.float64) > 0.0).any() for values in drawn):
         panel.set(**{f"{along}scale": "log"})
         axis = panel.xaxis if along == "x" else panel.yaxis
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=MOST_TICKS))
+        low, high = axis.get_view_interval()
+        subs = (1.0, 2.0, 5.0) if high < WIDE_SPAN * low else (1.0,)
+        axis.set_major_locator(LogLocator(subs=subs, numticks=MOST_TICKS))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
 

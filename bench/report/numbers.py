@@ -24,7 +24,8 @@ def number(value: float | None, digits: int = 3, signed: bool = False) -> str:
         return NONE
     if abs(value) < SMALLEST:
         return "0"
-    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    rounded = float(f"{value:.{digits - 1}e}")  # 0.9999 is 1.00, not 1.000
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded))))
     text = f"{value:+.{decimals}f}" if signed else f"{value:.{decimals}f}"
     return text.replace("-", MINUS)
 
@@ -48,5 +49,9 @@ def numbers(values: list[float] | None, digits: int = 3, signed: bool = False) -
 
 
 def share(value: float | None) -> str:
-    """Write a share of one in percent."""
-    return NONE if value is None else f"{number(100.0 * value, 4)} %"
+    """Write a share of one in percent: three digits, four where three would say all."""
+    if value is None:
+        return NONE
+    if value == 1.0:
+        return "100 %"
+    return f"{number(100.0 * value, 4 if 0.995 <= value < 1.0 else 3)} %"

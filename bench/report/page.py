@@ -9,19 +9,15 @@ from typing import Any
 
 import jinja2
 
-from bench.estimating.runs import PREFERRED
-from bench.pictures.frame_record import FrameRecords
 from bench.report.explorer.data import explorer_data
 from bench.report.explorer.inlined import Inlined, inlined, policy
 from bench.report.filmstrip import HERO_WIDTH_PX, Picture, filmstrip, picture
+from bench.report.given import report_input
 from bench.report.parts import Card, ReportInput, Section, TitledTable
 from bench.report.run_table import RunTable
-from bench.report.scenario_tables import scenario_tables
 from bench.report.table import TITLES, Table, check_table, lost_table, title_of
-from bench.scoring.score import read_score, shown_labels
 from models.atomic_file import write_text
 from models.camera import Camera
-from models.errors import DatasetError
 
 TEMPLATE = "page.html.jinja"
 
@@ -120,23 +116,13 @@ def write_report(folder: Path) -> Path:
         read.
     """
     path = folder / "report.html"
-    write_page(path, _report(folder, read_score(folder)))
+    write_page(path, _report(report_input(folder)))
     return path
 
 
-def _report(folder: Path, score: dict[str, Any]) -> Page:
-    label = PREFERRED if PREFERRED in score["pipelines"] else shown_labels(score)[0]
-    records = FrameRecords(folder, label)
-    rows = score["pipelines"][label]["per_frame"]
-    if [row["frame"] for row in rows] != records.dataset.indices:
-        raise DatasetError(
-            f"{folder}/score.json: expected a score of the {len(records.dataset.entries)} frames "
-            f"that {folder}/frames.csv lists, got one of {len(rows)} others; "
-            f"run `rvbench estimate {folder}`, then `rvbench score {folder}`"
-        )
-    info, chain = records.dataset.info, records.chain
-    scenario = scenario_tables(folder)
-    given = ReportInput(folder, info, score, label, records, scenario)
+def _report(given: ReportInput) -> Page:
+    score, label, records, info = given.score, given.label, given.records, given.info
+    chain, rows = records.chain, given.headline["per_frame"]
     parts = chain.report(given)
     checks = Section(
         "What was asked, and what came", tables=(TitledTable("asked", check_table(score)),)
@@ -172,7 +158,7 @@ def _report(folder: Path, score: dict[str, Any]) -> Page:
         frames=filmstrip(records, parts.shown),
         marks=". ".join(each.capitalize() for each in (chain.legend, chain.greys) if each),
         explained=set(TITLES) <= set(score["pipelines"]),
-        scenario=scenario,
+        scenario=given.scenario,
         explorer=inlined(explorer_data(given, parts)),
     )
 

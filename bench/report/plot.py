@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from bench.report.plain_text import take_literally
+from bench.report.time_plot import position_unit
 from models.arrays import Floats
 
 COLOURS = {"best": "#1763a6", "paper": "#d1781d"}
@@ -23,6 +24,9 @@ INK, FAINT = "#22303c", "#c9d1d8"
 STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
+    "figure.facecolor": "none",  # a page is dark where its reader wants it so
+    "axes.facecolor": "none",
+    "savefig.facecolor": "none",
     "axes.edgecolor": "#8a97a3",
     "axes.labelcolor": INK,
     "axes.titlesize": 9.5,
@@ -73,17 +77,16 @@ def errors_over_time(score: dict[str, Any]) -> str:
     def draw(figure: Figure) -> None:
         labels = list(score["pipelines"])
         axes = figure.subplots(1, 2, sharex=True)
-        for panel, key, what in zip(
-            axes,
-            ("position_error_mm", "attitude_error_deg"),
-            ("position error, mm", "attitude error, deg"),
-            strict=True,
+        length, of_a_millimetre = position_unit(score)
+        for panel, key, what, factor in (
+            (axes[0], "position_error_mm", f"position error, {length}", of_a_millimetre),
+            (axes[1], "attitude_error_deg", "attitude error, deg", 1.0),
         ):
             for label in labels:
                 frames = score["pipelines"][label]["per_frame"]
                 panel.plot(
                     column(frames, "time_s"),
-                    column(frames, key),
+                    factor * column(frames, key),
                     "o-",
                     ms=3.0,
                     lw=1.0,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import median
 from typing import Any, Literal
 
 from bench.scoring.score import shown_labels
@@ -74,19 +75,45 @@ def values_of(score: dict[str, Any], label: str, *keys: str | int) -> list[float
     return found
 
 
+def position_unit(score: dict[str, Any]) -> tuple[str, float]:
+    """Return the unit of a page's position errors, and what a millimetre is in it.
+
+    Parameters
+    ----------
+    score : dict
+
+    Returns
+    -------
+    str, float
+        Metres where half of all errors are larger than one.
+    """
+    there = [
+        value
+        for label in score["pipelines"]
+        for value in values_of(score, label, "position_error_mm")
+        if value is not None
+    ]
+    return ("m", 1e-3) if there and median(there) >= 1000.0 else ("mm", 1.0)
+
+
 def size_plots(score: dict[str, Any]) -> list[TimePlot]:
     """Plot what every chain knows: the sizes of the errors in position and attitude."""
+    length, of_a_millimetre = position_unit(score)
     return [
         TimePlot(
             title,
             unit,
             tuple(
-                TimeLine(label, label, "line", values_of(score, label, key))
+                TimeLine(label, label, "line", _times(factor, values_of(score, label, key)))
                 for label in shown_labels(score)
             ),
         )
-        for title, unit, key in (
-            ("position error", "mm", "position_error_mm"),
-            ("attitude error", "deg", "attitude_error_deg"),
+        for title, unit, key, factor in (
+            ("position error", length, "position_error_mm", of_a_millimetre),
+            ("attitude error", "deg", "attitude_error_deg", 1.0),
         )
     ]
+
+
+def _times(factor: float, values: list[float | None]) -> list[float | None]:
+    return [None if value is None else factor * value for value in values]

@@ -1,4 +1,4 @@
-"""``rvbench view``: the page of a folder, opened in the user's browser."""
+"""``rvbench view``: a folder's page opened in the user's browser, or its recording written."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ class View:
 
         rvbench view out/demo
         rvbench view out/sweep-maxar-approach
+        rvbench view out/demo --rerun out/demo.rrd
 
     The page is one file and asks nothing of a network. $BROWSER names another browser; without any
     the page's place is told all the same.
@@ -29,15 +30,24 @@ class View:
 
     folder: Positional[Annotated[Path, arg(metavar="DIR")]]
     """a scored dataset, or the folder of a sweep, a suite or a comparison; or a page itself"""
+    rerun: Annotated[Path | None, arg(metavar="FILE.rrd", help_behavior_hint="")] = None
+    """write a scored dataset there for Rerun's viewer instead: frames, camera, target, poses and
+    errors; needs `pip install rerun-sdk`"""
 
     def run(self) -> int:
-        """Open it.
+        """Open the page, or write the recording.
 
         Raises
         ------
         ScenarioError
-            If there is no browser.
+            If there is no browser, or no Rerun where it was asked for.
         """
+        if self.rerun is not None:
+            from bench.viewing.recording import write_recording
+
+            write_recording(self.folder, self.rerun)
+            print(f"recording: {self.rerun.resolve()}\nopen it with: rerun {self.rerun}")
+            return DONE
         page = page_of(self.folder).resolve()
         print(f"page: {page}", flush=True)
         if not webbrowser.open(page.as_uri()):

@@ -14,12 +14,26 @@ function runNow() {
 function verdictNow() {
   const { verdicts, sizes } = runNow();
   if (verdicts[shown.place] !== null) return verdicts[shown.place];
-  const [millimetres, degrees] = sizes.map((values) => digits(values[shown.place]));
-  return `position error ${millimetres} mm; attitude ${degrees} deg`;
+  const [millimetres, degrees] = sizes.map((values) => values[shown.place]);
+  const far = millimetres < 1000 ? `${digits(millimetres)} mm` : `${digits(0.001 * millimetres)} m`;
+  return `position error ${far}; attitude ${digits(degrees)} deg`;
 }
 const posesNow = () => runNow().poses;
 
-const colourOf = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
+// Colours of the page's style, asked for once: each asking would settle the style anew.
+let tones = {};
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { tones = {}; });
+const colourOf = (name) =>
+  tones[name] ??= getComputedStyle(document.body).getPropertyValue(name).trim();
+
+// Work for when nothing else is to be done, or after a second: what is out of sight waits for it.
+const later = (work) => globalThis.requestIdleCallback?.(work, { timeout: 1000 })
+  ?? setTimeout(work, 50);
+
+// The same words again would lay the page out anew.
+function put(element, words) {
+  if (element.textContent !== words) element.textContent = words;
+}
 
 function follow(follower) {
   followers.push(follower);
@@ -62,6 +76,6 @@ function digits(value) {
   if (value === null || value === undefined) return "–";
   const size = Math.abs(value);
   if (size < 1e-5) return "0";
-  const places = Math.max(0, 2 - Math.floor(Math.log10(size)));
+  const places = Math.max(0, 2 - Math.floor(Math.log10(Number(size.toPrecision(3)))));
   return value.toFixed(Math.min(places, 8)).replace("-", "−");
 }

@@ -7,16 +7,18 @@ function startPicture() {
   const home = byId("picture");
   const canvas = home.querySelector("canvas");
   const pen = canvas.getContext("2d");
-  const still = document.createElement("canvas"); // the preview in the greys chosen
-  const told = home.querySelector(".readout");
-  let levels = null; // of the preview as it came
+  const regreyed = document.createElement("canvas"); // the preview in other greys than its own
+  const told = home.querySelector(".readout"), scale = home.querySelector(".scale");
+  let preview = null, drawn = null; // as it came, and what is drawn of it
+  let levels = null; // of the preview, once they are asked for
+  let wide = 1, high = 1; // of the canvas: asked of the page, each would lay it out anew
   let curve = "asinh", stops = 0;
   let zoom = 1, left = 0, top = 0, fitted = true;
 
   function size() {
     const ratio = globalThis.devicePixelRatio || 1;
-    const wide = home.clientWidth;
-    const high = Math.min(wide * height / width, 0.8 * globalThis.innerHeight);
+    wide = home.clientWidth;
+    high = Math.min(wide * height / width, 0.8 * globalThis.innerHeight);
     canvas.style.height = `${high}px`;
     canvas.width = Math.round(wide * ratio);
     canvas.height = Math.round(high * ratio);
@@ -26,15 +28,15 @@ function startPicture() {
   }
 
   function fit() {
-    zoom = Math.min(canvas.clientWidth / width, canvas.clientHeight / height);
-    left = 0.5 * (canvas.clientWidth - zoom * width);
-    top = 0.5 * (canvas.clientHeight - zoom * height);
+    zoom = Math.min(wide / width, high / height);
+    left = 0.5 * (wide - zoom * width);
+    top = 0.5 * (high - zoom * height);
     fitted = true;
     canvas.style.touchAction = "pan-y";
   }
 
-  function zoomBy(factor, x = 0.5 * canvas.clientWidth, y = 0.5 * canvas.clientHeight) {
-    const least = Math.min(canvas.clientWidth / width, canvas.clientHeight / height);
+  function zoomBy(factor, x = 0.5 * wide, y = 0.5 * high) {
+    const least = Math.min(wide / width, high / height);
     const next = Math.min(Math.max(zoom * factor, least), 64);
     left = x - (x - left) * next / zoom;
     top = y - (y - top) * next / zoom;
@@ -54,7 +56,8 @@ function startPicture() {
 
   // The preview's levels undone to shares of full well, then the curve chosen.
   function regrey() {
-    if (!levels) return;
+    drawn = preview;
+    if (!preview || (curve === "asinh" && stops === 0)) return;
     const top8 = Math.asinh(1 / softening);
     const curves = {
       asinh: (x) => Math.asinh(x / softening) / top8,
@@ -67,17 +70,33 @@ function startPicture() {
       const share = softening * Math.sinh(k / 255 * top8) * 2 ** stops;
       table[k] = Math.round(255 * curves[curve](Math.min(1, share)));
     }
-    const out = new ImageData(levels.width, levels.height);
-    for (let k = 0; k < levels.data.length; k++) {
-      out.data[k] = k % 4 === 3 ? 255 : table[levels.data[k]];
+    const own = levelsNow(), out = new ImageData(own.width, own.height);
+    for (let k = 0; k < own.data.length; k += 4) {
+      out.data[k] = table[own.data[k]];
+      out.data[k + 1] = table[own.data[k + 1]];
+      out.data[k + 2] = table[own.data[k + 2]];
+      out.data[k + 3] = 255;
     }
-    still.getContext("2d").putImageData(out, 0, 0);
+    regreyed.width = own.width;
+    regreyed.height = own.height;
+    regreyed.getContext("2d").putImageData(out, 0, 0);
+    drawn = regreyed;
+  }
+
+  function levelsNow() {
+    if (!levels) {
+      const canvas = made("canvas", { width: preview.naturalWidth, height: preview.naturalHeight });
+      const own = canvas.getContext("2d", { willReadFrequently: true });
+      own.drawImage(preview, 0, 0);
+      levels = own.getImageData(0, 0, canvas.width, canvas.height);
+    }
+    return levels;
   }
 
   function load() {
     const place = shown.place;
     if (!pictures[place]) {
-      levels = null;
+      preview = drawn = levels = null;
       canvas.dataset.frame = data.frames[place].frame;
       draw();
       return;
@@ -85,11 +104,8 @@ function startPicture() {
     const image = new Image(), from = pictures;
     image.onload = () => {
       if (place !== shown.place || from !== pictures) return;
-      still.width = image.naturalWidth;
-      still.height = image.naturalHeight;
-      const own = still.getContext("2d", { willReadFrequently: true });
-      own.drawImage(image, 0, 0);
-      levels = own.getImageData(0, 0, still.width, still.height);
+      preview = image;
+      levels = null;
       regrey();
       canvas.dataset.frame = data.frames[place].frame;
       draw();
@@ -99,33 +115,34 @@ function startPicture() {
 
   function draw() {
     pen.fillStyle = "#000000";
-    pen.fillRect(0, 0, canvas.clientWidth, canvas.clientHeight);
-    if (levels) {
-      pen.imageSmoothingEnabled = zoom * width / still.width < 1;
-      pen.drawImage(still, left, top, zoom * width, zoom * height);
+    pen.fillRect(0, 0, wide, high);
+    if (drawn) {
+      pen.imageSmoothingEnabled = zoom * width / preview.naturalWidth < 1;
+      pen.drawImage(drawn, left, top, zoom * width, zoom * height);
     } else {
       pen.fillStyle = "#c9d1d8";
       pen.font = "14px sans-serif";
       pen.fillText("no picture of this frame in the page", 14, 26);
     }
-    const drawn = drawLayers(pen, (u, v) => [left + (u + 0.5) * zoom, top + (v + 0.5) * zoom]);
-    canvas.dataset.layers = drawn.join(" ");
+    const marks = drawLayers(pen, (u, v) => [left + (u + 0.5) * zoom, top + (v + 0.5) * zoom]);
+    canvas.dataset.layers = marks.join(" ");
     canvas.dataset.image = streams.find((each) => each.pictures === pictures).name;
     canvas.dataset.zoom = zoom.toFixed(4);
     canvas.setAttribute("aria-label",
-      `The ${canvas.dataset.image} of ${data.frames[shown.place].title}, with ${drawn.join(", ") || "no marks"}`);
-    const each = levels ? width / still.width : 1;
-    home.querySelector(".scale").textContent = each > 1
+      `The ${canvas.dataset.image} of ${data.frames[shown.place].title}, with ${marks.join(", ") || "no marks"}`);
+    const each = preview ? width / preview.naturalWidth : 1;
+    put(scale, each > 1
       ? `A pixel here is ${digits(each)} of the camera's; all of them: rvbench show DIR ${data.frames[shown.place].frame}.`
-      : levels ? "Every pixel is here." : "";
+      : preview ? "Every pixel is here." : "");
   }
 
   function read(x, y) {
     const u = (x - left) / zoom - 0.5, v = (y - top) / zoom - 0.5;
-    if (u < -0.5 || v < -0.5 || u >= width - 0.5 || v >= height - 0.5 || !levels) return "";
-    const column = Math.floor((u + 0.5) * still.width / width);
-    const row = Math.floor((v + 0.5) * still.height / height);
-    const level = levels.data[4 * (row * still.width + column)];
+    if (u < -0.5 || v < -0.5 || u >= width - 0.5 || v >= height - 0.5 || !preview) return "";
+    const own = levelsNow();
+    const column = Math.floor((u + 0.5) * own.width / width);
+    const row = Math.floor((v + 0.5) * own.height / height);
+    const level = own.data[4 * (row * own.width + column)];
     const share = softening * Math.sinh(level / 255 * Math.asinh(1 / softening));
     return `u ${u.toFixed(1)}, v ${v.toFixed(1)} px: ${digits(100 * share)} % of full well`;
   }
@@ -136,7 +153,7 @@ function startPicture() {
     if (!fitted) canvas.setPointerCapture(event.pointerId);
   });
   canvas.addEventListener("pointermove", (event) => {
-    told.textContent = read(event.offsetX, event.offsetY);
+    put(told, read(event.offsetX, event.offsetY));
     if (!held || event.buttons === 0 || fitted) return;
     pan(event.clientX - held[0], event.clientY - held[1]);
     held = [event.clientX, event.clientY];

@@ -3,6 +3,7 @@
 const PIPELINE_COLOURS = { best: "--plot-best", paper: "--plot-paper" };
 const OTHER_COLOURS = ["--plot-3", "--plot-4", "--plot-5", "--plot-6"];
 const HEIGHT = 210; // px
+const WHOLE = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000];
 const FONT = '12px "Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, sans-serif';
 
 // What a line shows: of a line of all runs, the one chosen.
@@ -30,7 +31,7 @@ function startPlots() {
     const base = { stroke: colour, width: 1.5, points: { show: false } };
     if (line.kind === "line") return [{ ...base, points: { show: !many, size: 5, fill: colour } }];
     if (line.kind === "dots") {
-      return [{ ...base, paths: () => null, points: { show: true, size: 3, fill: colour } }];
+      return [{ ...base, paths: () => null, points: { show: true, size: many ? 3 : 5, fill: colour } }];
     }
     if (line.kind === "level") return [{ ...base, width: 1, dash: [6, 4] }];
     if (line.kind === "steps") return [{ ...base, paths: uPlot.paths.stepped({ align: 1 }) }];
@@ -84,7 +85,7 @@ function startPlots() {
       cursor: { drag: { x: true, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: log ? { distr: 3 } : counts ? { range: (_, __, most) => [0, 1.1 * most + 1] } : {} },
       axes: [{ ...axis, size: 30, label: "time, s", labelSize: 18, labelGap: 0 },
-        { ...axis, size: 62 }].map((each) => ({ ...each, font: FONT, labelFont: FONT,
+        { ...axis, size: 62, ...(counts && { incrs: WHOLE }) }].map((each) => ({ ...each, font: FONT, labelFont: FONT,
         values: (_, ticks) => ticks.map((tick) =>
           tick === null ? "" : String(Number(tick.toPrecision(6))).replace("-", "−")) })),
       series,
@@ -135,14 +136,15 @@ function startPlots() {
 
   function place(own) {
     if (!own.uplot || !own.now) return;
+    own.behind = false;
     const x = own.uplot.valToPos(times[shown.place], "x");
     own.now.style.transform = `translateX(${x}px)`;
-    own.now.hidden = !(x >= 0 && x <= own.uplot.over.clientWidth);
+    own.now.hidden = !(x >= 0 && x <= own.uplot.bbox.width / uPlot.pxRatio);
     own.now.dataset.frame = data.frames[shown.place].frame;
     own.values.forEach((each, number) => {
       const line = own.plot.lines[number], values = [valuesNow(line), ...(line.upper ? [line.upper] : [])];
-      const text = values.map((one) => digits(one[shown.place])).join(" to ");
-      if (text !== each.textContent) each.textContent = text;
+      const told = line.kind === "steps" ? (count) => String(count ?? "–") : digits;
+      put(each, values.map((one) => told(one[shown.place])).join(" to "));
     });
   }
 
@@ -177,6 +179,7 @@ function startPlots() {
     else if (own.stale === "values") own.uplot.setData([times, ...own.plot.lines.flatMap(columns)]);
     else if (own.stale) own.uplot.redraw(false);
     own.stale = null;
+    if (own.behind) place(own);
   }
   const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
     const own = plots.find((each) => each.holder === entry.target);
@@ -184,7 +187,6 @@ function startPlots() {
     if (own.near) refresh(own);
   }), { rootMargin: "200px" });
   plots.forEach((own) => near.observe(own.holder));
-  const later = globalThis.requestIdleCallback ?? ((each) => setTimeout(each, 50));
   function buildNext() {
     const own = plots.find((each) => !each.uplot);
     if (!own) return;
@@ -196,8 +198,8 @@ function startPlots() {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(build));
 
   const lostNow = () => runNow().reasons.map((reason) => reason === null ? 0 : 1).join("");
-  let run = shown.run, lost = lostNow();
-  follow(() => {
+  let { run, pipeline } = shown, lost = lostNow(), catchingUp = false;
+  function chosenAnew() {
     const lostBefore = lost;
     lost = lostNow();
     for (const own of plots) {
@@ -205,8 +207,21 @@ function startPlots() {
       else if (lost !== lostBefore) own.stale ??= "lost";
       if (own.near && own.stale) refresh(own);
     }
-    run = shown.run;
-    plots.forEach(place);
+    ({ run, pipeline } = shown);
+  }
+  // Plots in sight follow at once, the others when the slider rests.
+  follow(() => {
+    if (run !== shown.run || pipeline !== shown.pipeline) chosenAnew();
+    for (const own of plots) {
+      if (own.near) place(own);
+      else own.behind = true;
+    }
+    if (catchingUp) return;
+    catchingUp = true;
+    later(() => {
+      catchingUp = false;
+      plots.forEach((own) => { if (own.behind) place(own); });
+    });
   });
   const resized = new ResizeObserver(() => plots.forEach((own) => {
     const width = Math.max(200, own.holder.clientWidth);

@@ -23,14 +23,16 @@ function exaggerated(said, was, times) {
   return { rotation, place };
 }
 
-function startScene() {
-  const own = data.scene;
-  const anyPose = Object.values(data.pipelines).map((each) => each.poses);
-  if (!own || ![own.true, ...anyPose].some((x) => x.some(Boolean))) return;
+const anyPoses = () => Object.values(data.pipelines).map((each) => each.poses);
+const hasScene = () =>
+  Boolean(data.scene) && [data.scene.true, ...anyPoses()].some((x) => x.some(Boolean));
 
+function startScene() {
+  if (!hasScene()) return;
+  const own = data.scene;
   const trueCameras = own.true.map((pose) => pose && cameraOf(pose));
   const trailPoints = trueCameras.filter(Boolean).map((each) => each.place);
-  const first = trailPoints[0] ?? cameraOf(anyPose.flat().find(Boolean)).place;
+  const first = trailPoints[0] ?? cameraOf(anyPoses().flat().find(Boolean)).place;
   // Up is the axis most across the camera's way.
   const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(vector), ahead = first.clone().normalize();
   const up = axes.reduce((best, axis) =>
@@ -71,14 +73,25 @@ function startScene() {
     }, (fault) => console.error("the scene's target", fault));
   }
 
-  function frustum({ rotation, place }, reach, colour) {
-    const corners = own.corner_rays_in_cam.map((ray) => vector(ray).multiplyScalar(reach / ray[2])
-      .applyQuaternion(rotation).add(place));
-    const points = [];
+  // What a camera at the origin sees, a metre deep.
+  function frustum() {
+    const corners = own.corner_rays_in_cam.map((ray) => vector(ray).divideScalar(ray[2]));
+    const points = [], place = new Vector3();
     corners.forEach((corner, k) => points.push(place, corner, corner, corners[(k + 1) % 4]));
     const top = corners[0].clone().add(corners[1]).multiplyScalar(0.5); // the image's upper edge
-    points.push(top, top.clone().lerp(place, 0.25));
-    return lines(points, colour);
+    points.push(top, top.clone().multiplyScalar(0.75));
+    return lines(points, "#ffffff");
+  }
+  const frusta = { true: frustum(), estimated: frustum() };
+  const arrow = new three.ArrowHelper(ahead, new Vector3(), 1, "#d9a916");
+
+  function setCamera(name, { rotation, place }, reach, colour) {
+    const drawn = frusta[name];
+    drawn.position.copy(place);
+    drawn.quaternion.copy(rotation);
+    drawn.scale.setScalar(reach);
+    drawn.material = material("LineBasicMaterial", { color: colour });
+    parts[name].add(drawn);
   }
 
   const aside = new Vector3().crossVectors(up, ahead).normalize();
@@ -101,13 +114,13 @@ function startScene() {
   function follows() {
     const was = trueCameras[shown.place];
     const pose = posesNow()[shown.place];
-    for (const name of ["true", "estimated", "Sun"]) emptied(parts[name]);
+    for (const name of ["true", "estimated", "Sun"]) parts[name].clear();
     const reach = 0.4 * (was?.place.length() ?? (pose ? cameraOf(pose).place.length() : 1));
-    if (was) parts.true.add(frustum(was, reach, colourOf("--truth")));
+    if (was) setCamera("true", was, reach, colourOf("--truth"));
     if (pose) {
       const said = cameraOf(pose);
-      parts.estimated.add(frustum(was ? exaggerated(said, was, times) : said, reach,
-        colourOf("--said")));
+      setCamera("estimated", was ? exaggerated(said, was, times) : said, reach,
+        colourOf("--said"));
     }
     if (parts.cloud && cloudOf !== shown.pipeline) {
       cloudOf = shown.pipeline;
@@ -117,8 +130,9 @@ function startScene() {
     }
     const sun = own.sun_in_target[shown.place];
     if (sun) {
-      parts.Sun.add(new three.ArrowHelper(vector(sun), new Vector3(), 0.9 * radius, "#d9a916",
-        0.08 * radius, 0.05 * radius));
+      arrow.setDirection(vector(sun));
+      arrow.setLength(0.9 * radius, 0.08 * radius, 0.05 * radius);
+      parts.Sun.add(arrow);
       light.position.copy(vector(sun));
     }
     stage.tell({ poses: [was && "true", pose && "estimated"].filter(Boolean).join(" ") });

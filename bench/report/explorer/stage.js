@@ -4,26 +4,41 @@ const { Vector3 } = three;
 const COARSE = 0.5, REST_MS = 400;
 const vector = (x) => new Vector3(...x);
 
+// Materials are kept: with the last of a kind goes its program, and the next is compiled anew.
+const materials = new Map();
+function material(kind, settings) {
+  const key = kind + JSON.stringify(settings);
+  if (!materials.has(key)) materials.set(key, new three[kind](settings));
+  return materials.get(key);
+}
+
 function lines(points, colour, joined = false) {
   const shape = new three.BufferGeometry().setFromPoints(points);
-  const material = new three.LineBasicMaterial({ color: colour });
-  return joined ? new three.Line(shape, material) : new three.LineSegments(shape, material);
+  const stroke = material("LineBasicMaterial", { color: colour });
+  return joined ? new three.Line(shape, stroke) : new three.LineSegments(shape, stroke);
 }
 
 function dots(points, colour, size) {
   return new three.Points(new three.BufferGeometry().setFromPoints(points),
-    new three.PointsMaterial({ color: colour, size, sizeAttenuation: false }));
+    material("PointsMaterial", { color: colour, size, sizeAttenuation: false }));
 }
 
-// Whether the browser draws scenes by its processor.
-function isSlow(context) {
-  const told = context.getExtension("WEBGL_debug_renderer_info");
-  const name = told ? context.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
-  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+// Whether the browser draws scenes by its processor: asked of a canvas that is thrown away, since
+// it decides how the scene's own is made.
+let drawnByProcessor = null;
+function isSlow() {
+  if (drawnByProcessor === null) {
+    const context = made("canvas").getContext("webgl2");
+    const told = context?.getExtension("WEBGL_debug_renderer_info");
+    const name = told ? context.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+    drawnByProcessor = /swiftshader|llvmpipe|software|basic render/i.test(name);
+    context?.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+  return drawnByProcessor;
 }
 
 function emptied(group) {
-  group.traverse((each) => { each.geometry?.dispose(); each.material?.dispose(); });
+  group.traverse((each) => each.geometry?.dispose());
   group.clear();
   return group;
 }
@@ -32,15 +47,17 @@ function emptied(group) {
 function makeStage(home, titles, up, followed) {
   const canvas = home.querySelector("canvas");
   home.hidden = false;
+  const slow = isSlow();
   let renderer;
   try {
-    renderer = new three.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    renderer = new three.WebGLRenderer({ canvas, antialias: !slow, preserveDrawingBuffer: true });
   } catch {
     home.replaceChildren(made("p", { className: "note",
       textContent: "The scene needs WebGL, which this browser does not give." }));
     return null;
   }
-  const scene = new three.Scene();
+  const scene = new three.Scene(), ground = new three.Color();
+  scene.background = ground;
   const eye = new three.PerspectiveCamera(40, 1, 0.01, 1e6);
   eye.up.copy(up); // the controls keep what is up when they are made
   const parts = Object.fromEntries(Object.keys(titles).map((name) => [name, new three.Group()]));
@@ -48,12 +65,14 @@ function makeStage(home, titles, up, followed) {
   const light = new three.DirectionalLight(0xffffff, 2.6);
   scene.add(light, new three.AmbientLight(0xffffff, 0.8));
 
-  // Without a graphics card what moves is drawn coarse, and fine once it rests.
-  const slow = isSlow(renderer.getContext()), fine = Math.min(2, globalThis.devicePixelRatio || 1);
-  let asked = 0, resting = null; // at most one picture for each that the screen shows
+  // Without a graphics card what moves is drawn coarse, and once it rests twice as fine as the
+  // screen, in place of smoothed edges.
+  const own = Math.min(2, globalThis.devicePixelRatio || 1);
+  const fine = slow ? 2 : own, coarse = slow ? COARSE * own : own;
+  let asked = false, resting = null, near = false;
   function picture(ratio) {
     if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
-    scene.background = new three.Color(colourOf("--scene"));
+    ground.set(colourOf("--scene"));
     renderer.render(scene, eye);
     canvas.dataset.frame = canvas.dataset.next ?? "";
     canvas.dataset.fine = ratio === fine ? "yes" : "";
@@ -61,13 +80,21 @@ function makeStage(home, titles, up, followed) {
   function render() {
     canvas.dataset.eye = eye.position.toArray().map((x) => x.toFixed(4)).join(" ");
     canvas.dataset.fine = "";
-    asked ||= requestAnimationFrame(() => {
-      asked = 0;
-      picture(slow ? COARSE * fine : fine);
-      clearTimeout(resting);
-      if (slow) resting = setTimeout(() => picture(fine), REST_MS);
-    });
+    if (asked) return;
+    asked = true; // one picture for each that the screen shows; out of sight, when there is time
+    (near ? requestAnimationFrame : later)(draw);
   }
+  function draw() {
+    if (!asked) return;
+    asked = false;
+    picture(coarse);
+    clearTimeout(resting);
+    if (slow) resting = setTimeout(() => picture(fine), REST_MS);
+  }
+  new IntersectionObserver((entries) => {
+    near = entries.at(-1).isIntersecting;
+    if (near) draw();
+  }, { rootMargin: "200px" }).observe(canvas);
 
   const controls = new three.OrbitControls(eye, canvas);
   canvas.style.touchAction = "pan-y"; // up and down the page scrolls, sideways the scene turns

@@ -55,19 +55,26 @@ function startBar() {
     const said = verdictNow();
     slider.value = shown.place;
     slider.setAttribute("aria-valuetext", `${title}: ${said}`);
-    now.textContent = title;
-    verdict.textContent = said;
+    put(now, title);
+    put(verdict, said);
     verdict.classList.toggle("lost", runNow().reasons[shown.place] !== null);
   });
 }
 
-byId("section").hidden = false;
-for (const start of [startBar, startPicture, startPlots, startScene, startOrbit]) {
-  try {
-    start();
-  } catch (fault) {
-    console.error(start.name, fault);
+function begin(...starts) {
+  for (const start of starts) {
+    try {
+      start();
+    } catch (fault) {
+      console.error(start.name, fault);
+    }
   }
+  show({});
 }
-show({});
+
+byId("section").hidden = false;
+byId("scene").hidden = !(hasScene() || (data.orbit && !data.scene));
+byId("orbit").hidden = !(data.orbit && data.scene);
+begin(startBar, startPicture, startPlots);
 byId("section").dataset.ready = "yes";
+later(() => begin(startScene, startOrbit)); // without a graphics card they take their time

@@ -53,9 +53,12 @@ def _cards(own: dict[str, Any]) -> list[Card]:
              f"95 % below {number(motion['rate_deg_s']['p95'])} deg/s"),
         Card(number(motion["axis_deg"]["median"]), "deg", "spin axis error, median",
              f"95 % below {number(motion['axis_deg']['p95'])} deg"),
-        Card(length(None if rms is None else 1e3 * rms), "", "points to the surface, rms",
+        Card(str(cloud.get("points", 0)), "points", "of the shape",
+             "no surface to hold them against")
+        if rms is None else
+        Card(length(1e3 * rms), "", "points to the surface, rms",
              f"median {length(None if median is None else 1e3 * median)}, "
-             f"{cloud.get('points', 0)} points"),
+             f"{cloud['points']} points"),
     ]  # fmt: skip
 
 

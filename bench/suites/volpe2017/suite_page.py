@@ -100,7 +100,7 @@ def _cards(results: Results) -> list[Card]:
     if results.tracks:
         worst = max(results.tracks, key=lambda own: own.summary.worst_position_m)
         cards.append(
-            Card(number(worst.summary.worst_position_m), "m", "worst position of imperfect tracks",
+            Card(number(worst.summary.worst_position_m), "m", "worst position error, bad tracks",
                  worst.case.name)
         )  # fmt: skip
     if results.frame_ms:

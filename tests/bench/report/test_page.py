@@ -13,6 +13,7 @@ from bench.report.explorer.inlined import LIBRARIES
 from bench.report.filmstrip import MOST_FRAMES, chosen
 from bench.report.numbers import number, numbers, share
 from bench.report.pairs.tables import TERMS
+from bench.report.time_plot import size_plots
 from models.errors import DatasetError
 from tests.support.synthetic_dataset import (
     lost_estimate,
@@ -174,6 +175,7 @@ def test_many_lost_frames_leave_room_for_others():
     [
         (0.012345, "0.0123"),
         (1.0, "1.00"),
+        (0.99996, "1.00"),
         (-3.14159, "−3.14"),
         (1234.5, "1234"),
         (0.0, "0"),
@@ -188,5 +190,19 @@ def test_numbers(value, text):
 def test_numbers_in_a_row():
     assert numbers([1.0, -2.0, 3.0], 2, signed=True) == ["+1.0", "−2.0", "+3.0"]
     assert numbers(None) == ["–", "–", "–"]
-    assert share(0.98765) == "98.77 %"
+    assert share(0.98765) == "98.8 %"
+    assert share(0.9997) == "99.97 %"  # not all of them
+    assert share(1.0) == "100 %"
     assert share(None) == "–"
+
+
+@pytest.mark.parametrize(
+    ("errors_mm", "unit"), [([2.0, None, 3.0], "mm"), ([900.0, 2e3, 3e3], "m")]
+)
+def test_a_position_error_of_metres_is_plotted_in_metres(errors_mm, unit):
+    rows = [{"position_error_mm": each, "attitude_error_deg": 0.1} for each in errors_mm]
+    position, _ = size_plots({"pipelines": {"best": {"per_frame": rows}}})
+    assert position.unit == unit
+    in_mm = {"mm": 1.0, "m": 1e3}[unit]
+    values = [None if each is None else each * in_mm for each in position.lines[0].values]
+    assert values == pytest.approx(errors_mm)

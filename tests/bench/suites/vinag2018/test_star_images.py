@@ -95,7 +95,7 @@ def test_a_survey_is_the_same_whatever_is_beside_it_and_reads_as_a_table():
     summary = surveyed("a sky", [both, second])
     assert summary.attitudes == 3
     assert (summary.identified, summary.wrong) == (1.0, 0)
-    assert survey_table([summary]).rows[0][:3] == ["a sky, 3 attitudes", "100.0 %", "0"]
+    assert survey_table([summary]).rows[0][:3] == ["a sky, 3 attitudes", "100 %", "0"]
 
 
 def test_what_is_wrong_is_counted_as_such_and_kept_out_of_the_errors():
