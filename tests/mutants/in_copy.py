@@ -1,0 +1,141 @@
+"""Learns what tests reach, draws mutants and tries them; runs in a copy of the checkout."""
+
+from __future__ import annotations
+
+import json
+import random
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from tests.mutants.children import BROKEN, Child, read_libraries, run_all
+from tests.mutants.mutation import Mutant, is_numeric, places
+from tests.mutants.reach import FileReach, learn, remembered, tests_reaching
+from tests.mutants.trial import judge
+
+SURVIVED = ("survived", "unreached")
+CONTROL, CONTROLS = "control", 20  # of so many draws, one
+READ_S = 30.0
+"""Seconds of processor time that a mutant has beside five times what its tests take."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is wanted."""
+
+    rooms: Sequence[str]
+    tests: Sequence[str]
+    count: int
+    seed: int
+    most_s: float
+    most_file_s: float
+    workers: int
+    out: str
+    again: bool
+
+
+def reach_of_all(asked: Asked) -> dict[str, FileReach]:
+    """Return what each file of tests reaches; learn what is not known yet."""
+    home, kept = Path.cwd(), Path(asked.out) / "reach"
+    kept.mkdir(parents=True, exist_ok=True)
+    files = [str(f) for folder in asked.tests for f in sorted(Path(folder).rglob("test_*.py"))]
+    place = {file: kept / (file.replace("/", "+") + ".json") for file in files}
+    known = {file: remembered(place[file], home) for file in files}
+
+    def work(file: str) -> int:
+        learn(file, asked.most_file_s, place[file])
+        return 0
+
+    unknown = [file for file, reach in known.items() if reach is None]
+    children = [
+        Child(file, partial(work, file), 3 * asked.most_file_s, place[file].with_suffix(".log"))
+        for file in unknown
+    ]
+    for done, (child, code, took) in enumerate(run_all(children, asked.workers), 1):
+        known[child.name] = remembered(place[child.name], home)
+        told = "" if code == 0 else f" NOT LEARNED ({code}), see {child.log}"
+        print(f"reach {done}/{len(children)} {child.name} {took:.0f} s{told}", flush=True)
+    return {file: reach for file, reach in known.items() if reach is not None}
+
+
+def drawn(asked: Asked) -> list[Mutant]:
+    """Draw places of numeric code by seed, all alike, and at each one of its slips."""
+    found = [
+        slips
+        for room in asked.rooms
+        for path in sorted(Path(room).rglob("*.py"))
+        if is_numeric(path)
+        for slips in places(str(path), path.read_bytes())
+    ]
+    generator = random.Random(asked.seed)
+    generator.shuffle(found)
+    return [generator.choice(slips) for slips in found[: asked.count]]
+
+
+def untouched(mutant: Mutant) -> Mutant:
+    """Return a mutant that changes nothing: its tests pass, or they tell nothing of any other."""
+    source = Path(mutant.file).read_bytes()
+    return replace(mutant, text=source[mutant.start : mutant.end].decode(), slip=CONTROL)
+
+
+def tried(
+    mutants: Sequence[Mutant], reached: dict[str, FileReach], asked: Asked
+) -> Iterator[dict[str, object]]:
+    """Try mutants; yield of each what became of it: killed, hung, survived, or never reached."""
+    logs = Path(asked.out) / "logs"
+    logs.mkdir(parents=True, exist_ok=True)
+    plans, children = {}, list[Child]()
+    for mutant in mutants:
+        source = Path(mutant.file).read_bytes()
+        last = mutant.line + source[mutant.start : mutant.end].count(b"\n")
+        chosen, cost_s = tests_reaching(mutant.file, mutant.line, last, reached, asked.most_s)
+        before, after = mutant.lines(source)
+        plans[mutant.name] = {
+            **asdict(mutant), "name": mutant.name, "before": before, "after": after,
+            "tests": len(chosen), "cost_s": round(cost_s, 1),
+        }  # fmt: skip
+        if not chosen:
+            yield {**plans[mutant.name], "fate": "unreached", "took_s": 0.0}
+            continue
+        work: Callable[[], int] = partial(judge, mutant, chosen)
+        log = logs / f"{len(plans)}.log"
+        children.append(Child(mutant.name, work, READ_S + 5 * cost_s, log))
+    for child, code, took_s in run_all(children, asked.workers):
+        fate = {None: "hung", 0: "survived", BROKEN: "broken"}.get(code, "killed")
+        yield {**plans[child.name], "fate": fate, "took_s": round(took_s, 1), "code": code}
+
+
+def main(asked: Asked) -> int:
+    """Do all of it but what is done already; return the exit code, 2 if a control did not pass."""
+    read_libraries()
+    reached = reach_of_all(asked)
+    record = Path(asked.out) / f"seed-{asked.seed}.jsonl"
+    lines = record.read_text().splitlines() if record.is_file() else []
+    past = {each["name"]: each for each in map(json.loads, lines)}
+    done = {
+        name
+        for name, each in past.items()
+        if not (each["fate"] == "broken" or (asked.again and each["fate"] in SURVIVED))
+    }
+    mutants = [mutant for mutant in drawn(asked) if mutant.name not in done]
+    controls = [untouched(mutant) for mutant in mutants[::CONTROLS]]
+    print(f"{len(mutants)} mutants to try, {len(done)} tried before", flush=True)
+    worst = 0
+    with record.open("a") as file:
+        for each in tried([*controls, *mutants], reached, asked):
+            told = f"{each['fate']:9} {each['took_s']:5} s {each['file']}:{each['line']}"
+            if each["slip"] == CONTROL:
+                failed = each["fate"] not in SURVIVED
+                worst = 2 if failed else worst
+                print(f"control {'FAILED ' * failed}{told}", flush=True)
+                continue
+            file.write(json.dumps(each) + "\n")
+            file.flush()
+            print(f"{told}  {each['after']}", flush=True)
+    return worst
+
+
+if __name__ == "__main__":
+    sys.exit(main(Asked(**json.loads(sys.argv[1]))))
