@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tests.mutants.harmless import EQUIVALENT, HOLE, JUDGEMENT, kind_of, read_harmless
-from tests.mutants.server import SURVIVED
+from tests.mutants.in_copy import SURVIVED
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Mutants:
         }
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         told = json.dumps({**asked, "out": str(out)})
-        command = [sys.executable, "-m", "tests.mutants.server", told]
+        command = [sys.executable, "-m", "tests.mutants.in_copy", told]
         done = subprocess.run(command, cwd=tree, env=environment, check=False)
         if done.returncode:
             return 2

@@ -16,7 +16,7 @@ from tests.mutants.reach import FileReach, learn, remembered, tests_reaching
 from tests.mutants.trial import judge
 
 SURVIVED = ("survived", "unreached")
-CONTROL, CONTROLS = "control", 20  # of so many draws, one
+CONTROL, CONTROLS = "control", 40  # of so many draws, one
 READ_S = 30.0
 """Seconds of processor time that a mutant has beside five times what its tests take."""
 
@@ -65,7 +65,7 @@ def drawn(asked: Asked) -> list[Mutant]:
     found = [
         slips
         for room in asked.rooms
-        for path in sorted(Path(room).rglob("*.py"))
+        for path in (sorted(Path(room).rglob("*.py")) or [Path(room)])
         if is_numeric(path)
         for slips in places(str(path), path.read_bytes())
     ]
@@ -86,25 +86,32 @@ def tried(
     """Try mutants; yield of each what became of it: killed, hung, survived, or never reached."""
     logs = Path(asked.out) / "logs"
     logs.mkdir(parents=True, exist_ok=True)
-    plans, children = {}, list[Child]()
-    for mutant in mutants:
-        source = Path(mutant.file).read_bytes()
-        last = mutant.line + source[mutant.start : mutant.end].count(b"\n")
-        chosen, cost_s = tests_reaching(mutant.file, mutant.line, last, reached, asked.most_s)
-        before, after = mutant.lines(source)
-        plans[mutant.name] = {
-            **asdict(mutant), "name": mutant.name, "before": before, "after": after,
-            "tests": len(chosen), "cost_s": round(cost_s, 1),
-        }  # fmt: skip
-        if not chosen:
-            yield {**plans[mutant.name], "fate": "unreached", "took_s": 0.0}
-            continue
-        work: Callable[[], int] = partial(judge, mutant, chosen)
-        log = logs / f"{len(plans)}.log"
-        children.append(Child(mutant.name, work, READ_S + 5 * cost_s, log))
-    for child, code, took_s in run_all(children, asked.workers):
+    plans, unreached = dict[str, dict[str, object]](), list[str]()
+
+    def children() -> Iterator[Child]:
+        for number, mutant in enumerate(mutants):
+            lines = range(mutant.first_line, mutant.last_line + 1)
+            chosen, cost_s = tests_reaching(mutant.file, lines, reached, asked.most_s)
+            before, after = mutant.lines(Path(mutant.file).read_bytes())
+            plans[mutant.name] = {
+                **asdict(mutant), "name": mutant.name, "before": before, "after": after,
+                "tests": len(chosen), "cost_s": round(cost_s, 1),
+            }  # fmt: skip
+            work: Callable[[], int] = partial(judge, mutant, chosen)
+            if not chosen:
+                work = nothing
+                unreached.append(mutant.name)
+            yield Child(mutant.name, work, READ_S + 5 * cost_s, logs / f"{number}.log")
+
+    for child, code, took_s in run_all(children(), asked.workers):
         fate = {None: "hung", 0: "survived", BROKEN: "broken"}.get(code, "killed")
+        fate = "unreached" if child.name in unreached else fate
         yield {**plans[child.name], "fate": fate, "took_s": round(took_s, 1), "code": code}
+
+
+def nothing() -> int:
+    """Do nothing: no test reaches the line."""
+    return 0
 
 
 def main(asked: Asked) -> int:
@@ -120,11 +127,15 @@ def main(asked: Asked) -> int:
         if not (each["fate"] == "broken" or (asked.again and each["fate"] in SURVIVED))
     }
     mutants = [mutant for mutant in drawn(asked) if mutant.name not in done]
-    controls = [untouched(mutant) for mutant in mutants[::CONTROLS]]
+    mixed = [
+        each
+        for number, mutant in enumerate(mutants)
+        for each in ([untouched(mutant), mutant] if number % CONTROLS == 0 else [mutant])
+    ]
     print(f"{len(mutants)} mutants to try, {len(done)} tried before", flush=True)
     worst = 0
     with record.open("a") as file:
-        for each in tried([*controls, *mutants], reached, asked):
+        for each in tried(mixed, reached, asked):
             told = f"{each['fate']:9} {each['took_s']:5} s {each['file']}:{each['line']}"
             if each["slip"] == CONTROL:
                 failed = each["fate"] not in SURVIVED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tests.mutants.slips import ONE_PERCENT, is_axis, slips
@@ -26,6 +26,9 @@ class Mutant:
     text: str
     slip: str
     scope: str
+    first_line: int
+    last_line: int
+    """Of the statement, or of the head of one, that it is in: reached together."""
 
     @property
     def name(self) -> str:
@@ -50,42 +53,62 @@ class Mutant:
         return " ".join(before.split()), " ".join((head + self.text + tail).split())
 
 
+@dataclass(frozen=True)
+class _At:
+    """Where a walk is: the function, and the lines that are reached together, if any is."""
+
+    scope: str = ""
+    lines: tuple[int, int] = (0, 0)
+
+    def below(self, node: ast.AST, parent: ast.AST | None) -> _At:
+        """Return where it is below a node."""
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            return replace(self, scope=f"{self.scope}.{node.name}".lstrip("."))
+        whole = isinstance(node, ast.stmt) and not hasattr(node, "body")
+        heads = isinstance(parent, ast.stmt) and hasattr(parent, "body")
+        if (whole or heads) and isinstance(node, ast.stmt | ast.expr):
+            return replace(self, lines=(node.lineno, node.end_lineno or node.lineno))
+        return self
+
+
 def places(file: str, source: bytes) -> Iterator[list[Mutant]]:
     """Walk the places of a file where a slip can happen, each with all slips possible there."""
     starts = [0]
     for line in source.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
 
-    for node, parent, scope in _numeric(ast.parse(source), None, ""):
+    for node, parent, at in _numeric(ast.parse(source), None, _At()):
         begin = starts[node.lineno - 1] + node.col_offset
+        first, last = min(at.lines[0] or node.lineno, node.lineno), max(at.lines[1], node.lineno)
         found = [
-            Mutant(file, node.lineno, begin + at, begin + until, text, slip, scope)
-            for at, until, text, slip in slips(node, parent, source, begin, starts)
+            Mutant(
+                file, node.lineno, begin + since, begin + until, text, slip, at.scope, first, last
+            )
+            for since, until, text, slip in slips(node, parent, source, begin, starts)
         ]
         if found:
             yield found
 
 
 def _numeric(
-    node: ast.AST, parent: ast.AST | None, scope: str
-) -> Iterator[tuple[ast.expr, ast.AST | None, str]]:
-    """Walk the expressions that compute, each with its parent and the function that it is in."""
+    node: ast.AST, parent: ast.AST | None, at: _At
+) -> Iterator[tuple[ast.expr, ast.AST | None, _At]]:
+    """Walk the expressions that compute, each with its parent and where it stands."""
     if isinstance(node, SAID) or (isinstance(node, ast.Call) and _called(node) in DECLARED):
         return
     if isinstance(node, ast.If) and "__name__" in ast.unparse(node.test):
         return
+    at = at.below(node, parent)
     if isinstance(node, ast.expr):
-        yield node, parent, scope
+        yield node, parent, at
         if is_axis(parent):
             return
-    if isinstance(node, ast.FunctionDef | ast.ClassDef):
-        scope = f"{scope}.{node.name}".lstrip(".")
     for field, value in ast.iter_fields(node):
         if field in {"annotation", "returns", "decorator_list", "bases"}:
             continue
         for child in value if isinstance(value, list) else [value]:
             if isinstance(child, ast.AST):
-                yield from _numeric(child, node, scope)
+                yield from _numeric(child, node, at)
 
 
 def _called(call: ast.Call) -> str:

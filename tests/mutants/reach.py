@@ -11,8 +11,9 @@ import hashlib
 import json
 import time
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,7 @@ def learn(test_file: str, most_s: float, kept: Path) -> None:
     kept.write_text(json.dumps(reach.__dict__))
 
 
+@cache
 def checksum(path: Path) -> str:
     """Return what changes when a file does."""
     return hashlib.sha256(path.read_bytes()).hexdigest()[:16] if path.is_file() else ""
@@ -104,7 +106,7 @@ def remembered(kept: Path, home: Path) -> FileReach | None:
 
 
 def tests_reaching(
-    file: str, line: int, last_line: int, reached: Mapping[str, FileReach], most_s: float
+    file: str, lines: Iterable[int], reached: Mapping[str, FileReach], most_s: float
 ) -> tuple[list[str], float]:
     """Choose tests that reach any of a file's lines: its own folder's first, then the cheapest.
 
@@ -114,11 +116,11 @@ def tests_reaching(
         Names of tests, of each file together, and what they cost in seconds of processor time;
         as many as cost at most `most_s`, and one at least.
     """
-    wanted, near = set(range(line, last_line + 1)), "tests/" + str(Path(file).parent)
+    wanted, near = set(lines), "tests/" + str(Path(file).parent)
     found = []
     for test_file, reach in reached.items():
         by_test = reach.lines.get(file, {})
-        called = {t for t, lines in by_test.items() if t in reach.tests and wanted & set(lines)}
+        called = {t for t, own in by_test.items() if t in reach.tests and wanted & set(own)}
         if wanted & set(by_test.get(SHARED, ())):
             called |= set(reach.tests)
         elif not called and wanted & set(by_test.get(WHILE_IMPORTED, ())):
