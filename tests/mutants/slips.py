@@ -79,7 +79,7 @@ def slips(
             if type(op) in COMPUTED:
                 yield between(left, right, *COMPUTED[type(op)], "arithmetic")
                 yield 0, end, f"({one})", "term or factor dropped"
-            if isinstance(op, ast.Sub | ast.Div | ast.MatMult):
+            if isinstance(op, ast.Sub | ast.Div | ast.MatMult) and one != other:
                 sign = {ast.Sub: "-", ast.Div: "/", ast.MatMult: "@"}[type(op)]
                 yield 0, end, f"({other}) {sign} ({one})", "operands swapped"
         case ast.UnaryOp(op=ast.USub()) if is_axis(parent):
