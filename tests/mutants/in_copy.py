@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import random
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from tests.mutants.children import BROKEN, Child, read_libraries, run_all
 from tests.mutants.mutation import Mutant, is_numeric, places
@@ -114,6 +115,17 @@ def nothing() -> int:
     return 0
 
 
+def survivors(past: Iterable[dict[str, Any]]) -> list[Mutant]:
+    """Return those that no test noticed, where their lines are still what they were."""
+    found = []
+    for each in past:
+        if each["fate"] in SURVIVED:
+            mutant = Mutant(**{name: each[name] for name in Mutant.__dataclass_fields__})
+            if mutant.lines(Path(mutant.file).read_bytes())[0] == each["before"]:
+                found.append(mutant)
+    return found
+
+
 def main(asked: Asked) -> int:
     """Do all of it but what is done already; return the exit code, 2 if a control did not pass."""
     read_libraries()
@@ -121,18 +133,17 @@ def main(asked: Asked) -> int:
     record = Path(asked.out) / f"seed-{asked.seed}.jsonl"
     lines = record.read_text().splitlines() if record.is_file() else []
     past = {each["name"]: each for each in map(json.loads, lines)}
-    done = {
-        name
-        for name, each in past.items()
-        if not (each["fate"] == "broken" or (asked.again and each["fate"] in SURVIVED))
-    }
-    mutants = [mutant for mutant in drawn(asked) if mutant.name not in done]
+    if asked.again:
+        mutants = survivors(past.values())
+    else:
+        done = {name for name, each in past.items() if each["fate"] != "broken"}
+        mutants = [mutant for mutant in drawn(asked) if mutant.name not in done]
     mixed = [
         each
         for number, mutant in enumerate(mutants)
         for each in ([untouched(mutant), mutant] if number % CONTROLS == 0 else [mutant])
     ]
-    print(f"{len(mutants)} mutants to try, {len(done)} tried before", flush=True)
+    print(f"{len(mutants)} mutants to try, {len(past)} tried before", flush=True)
     worst = 0
     with record.open("a") as file:
         for each in tried(mixed, reached, asked):
