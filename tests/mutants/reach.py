@@ -120,15 +120,17 @@ def tests_reaching(
     own_file, found = f"{folder}/test_{Path(file).name}", []
     for test_file, reach in reached.items():
         by_test = reach.lines.get(file, {})
-        called = {t for t, own in by_test.items() if t in reach.tests and wanted & set(own)}
-        if wanted & set(by_test.get(SHARED, ())):
-            called |= set(reach.tests)
-        elif not called and wanted & set(by_test.get(WHILE_IMPORTED, ())):
-            called |= {test for test in by_test if test in reach.tests}
+        direct = {t for t, own in by_test.items() if t in reach.tests and wanted & set(own)}
+        imported = len(by_test) > 1 and wanted & set(by_test.get(WHILE_IMPORTED, ()))
+        if not (direct or imported or wanted & set(by_test.get(SHARED, ()))):
+            continue
         far = 0 if test_file == own_file else 1 if str(Path(test_file).parent) == folder else 2
-        found += [(far, reach.tests[test], test, test_file) for test in called]
+        # The others of the file may use what a fixture, an import or a cache has kept of it.
+        found += [
+            (far, test not in direct, own_s, test, test_file) for test, own_s in reach.tests.items()
+        ]
     chosen, files, cost_s = list[str](), set[str](), 0.0
-    for _, own_s, test, test_file in sorted(found):
+    for *_, own_s, test, test_file in sorted(found):
         more_s = own_s + (0.0 if test_file in files else reached[test_file].shared_s)
         if not chosen or cost_s + more_s <= most_s:
             chosen.append(test)
