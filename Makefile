@@ -18,7 +18,7 @@ unexport PYTHONPATH PYTHONHOME
 unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/$(VENV)/pycache
 
-.PHONY: help demo test slow check lint setup oracle speed grain campaign campaign-short judges kinematics browser cluster-test docs gallery notebooks libraries lock clean
+.PHONY: help demo test slow check lint setup oracle speed grain campaign campaign-short mutants judges kinematics browser cluster-test docs gallery notebooks libraries lock clean
 
 help:
 	@echo "make demo    run the main job on a small case; ends with a report"
@@ -31,6 +31,7 @@ help:
 	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
 	@echo "make campaign  do harm to it: hostile inputs, kills, full disks, crowds; hours"
 	@echo "make campaign-short  some of that, in three minutes"
+	@echo "make mutants  put slips into numeric code and see whether a test notices; an hour"
 	@echo "make judges  hold exported datasets and orbits against code that is not ours, in $(JUDGES)"
 	@echo "make kinematics  hold our arm's kinematics against Pinocchio's, in $(KINEMATICS)"
 	@echo "make browser  open a report in Chromium (from the system) and use it, in $(BROWSER)"
@@ -110,6 +111,11 @@ campaign-short: $(RUNTIME)
 	$(PYTHON) -P -m bench.campaign hostile --count 2000 --no-full --seconds 60
 	$(PYTHON) -P -m bench.campaign kills --only render --count 4 --seconds 20
 	$(PYTHON) -P -m bench.campaign places --only "full disk" --count 1
+
+# In a copy below out/mutants. What was tried is not tried again: the same command goes on.
+mutants: $(DEV)
+	@scripts/ensure_llvm.sh $(PYTHON)
+	$(PYTHON) -m tests.mutants $(MUTANTS)
 
 judges: $(DEV)
 	@scripts/ensure_llvm.sh $(PYTHON)

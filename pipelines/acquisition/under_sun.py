@@ -328,8 +328,7 @@ class UnderSun:
         if len(due) < FEWEST_DUE:
             return 0.0
         steps = search_steps(cut, due, NEAR_PX)
-        radius_px = cut.camera.fx * self._wireframe.radius_m / pose.translation[2]
-        sharp = float(np.clip(SHARP_SHARE * radius_px, *SHARP_PX))
+        sharp = float(np.clip(SHARP_SHARE * self._radius_px(cut, pose), *SHARP_PX))
         away = np.where(steps.found, steps.distance_px, np.inf)
         return float(np.exp(-0.5 * (away / sharp) ** 2).mean())
 

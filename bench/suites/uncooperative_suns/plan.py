@@ -102,7 +102,7 @@ class Plan:
         most = self.sizes.paper_runs if variant == "paper" else None
         chosen = frames if most is None else frames[: -(-most // SUNS)]
         return [
-            starts_unit(unit, self.frames_folder, variant, SUN_SIGMA_DEG, self.name(target))
+            starts_unit(unit, self.frames_file(unit), variant, SUN_SIGMA_DEG, self.name(target))
             for unit in chosen
         ]
 
@@ -115,6 +115,15 @@ class Plan:
             for variant in VARIANTS
             for unit in self.starts(target, variant)
         ]
+
+    @property
+    def every_frame(self) -> list[WorkUnit]:
+        """Every unit that renders a motion."""
+        return [unit for target in self.targets for unit in self.frames(target)]
+
+    def frames_file(self, frames: WorkUnit) -> str:
+        """Return where a motion's frames lie, without suffix."""
+        return str(self.frames_folder / frames.name)
 
     @property
     def frames_folder(self) -> Path:

@@ -50,7 +50,7 @@ def frames_unit(task: MotionTask, name: str) -> WorkUnit:
 
 
 def starts_unit(
-    frames: WorkUnit, folder: Path, variant: str, sun_sigma_deg: float, name: str
+    frames: WorkUnit, file: str, variant: str, sun_sigma_deg: float, name: str
 ) -> WorkUnit:
     """Return the unit that tries the starts of a motion.
 
@@ -58,8 +58,8 @@ def starts_unit(
     ----------
     frames : WorkUnit
         That renders it.
-    folder : Path
-        Where frames lie.
+    file : str
+        Where its frames lie, without suffix.
     variant : str
     sun_sigma_deg : float, deg
     name : str
@@ -74,7 +74,7 @@ def starts_unit(
         kind=f"starts, {name}, {variant}",
         expected_s=SUNS * START_S,
         modules=(pipeline.make.__module__,),
-        reads=str(folder / f"{frames.name}"),
+        reads=file,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from typing import Any
@@ -16,7 +17,7 @@ from bench.suites.spread import do_units
 from bench.suites.uncooperative_suns.page import write_suite_page
 from bench.suites.uncooperative_suns.plan import QUICK, TARGETS, Plan, Sizes
 from bench.suites.uncooperative_suns.results import Summary, results_of, summary_of
-from bench.suites.units import LIBRARIES
+from bench.suites.units import LIBRARIES, WorkUnit
 
 NAME = "uncooperative-suns"
 
@@ -32,6 +33,32 @@ def plan_of(request: SuiteRequest) -> Plan:
     own, asked = QUICK if request.quick else Sizes(), request.sizes("runs", "paper_runs", "width")
     sizes = replace(own, seed=request.seed, **asked)
     return Plan(sizes, request.parts or TARGETS, request.out)
+
+
+def units_of(request: SuiteRequest) -> list[WorkUnit]:
+    """Return the units of what a request asks for; their frames are rendered by ``prepare``."""
+    return plan_of(request).units
+
+
+def prepare(request: SuiteRequest, units: Sequence[WorkUnit], console: Console) -> None:
+    """Render the motions whose starts some units, which are not done, try.
+
+    Parameters
+    ----------
+    request : SuiteRequest
+    units : sequence of WorkUnit
+    console : Console
+        For progress.
+
+    Raises
+    ------
+    ScenarioError, VariantError, StorageError
+        Each says what to do; nothing already done is lost.
+    """
+    plan = plan_of(request)
+    read = {unit.reads for unit in units}
+    own = [unit for unit in plan.every_frame if plan.frames_file(unit) in read]
+    do_units(own, plan.frames_folder, request.workers, console, plan.every_frame)
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
@@ -56,8 +83,7 @@ def run_plan(plan: Plan, workers: int, console: Console) -> SuiteFiles:
     console : Console
         For progress.
     """
-    frames = [unit for target in plan.targets for unit in plan.frames(target)]
-    do_units(frames, plan.frames_folder, workers, console)
+    do_units(plan.every_frame, plan.frames_folder, workers, console)
     do_units(plan.units, plan.out / "units", workers, console)
     results = results_of(plan)
     summaries = {

@@ -43,6 +43,24 @@ def test_planes_are_tilted_and_satellites_apart():
     assert apart[np.triu_indices(60, 1)].min() > 1e5
 
 
+def test_planes_of_gps_are_twins_in_pairs():
+    """The standard's 24 slots, whose gaps two planes share, and one more midway in the widest."""
+    constellation = gps_and_galileo()
+    gps = np.array([name.startswith("G") for name in constellation.names])
+    node, argument = constellation.node_rad[gps], constellation.argument_rad[gps]
+    gaps_deg = []
+    for plane in np.unique(node.round(6)):
+        slots = np.sort(argument[np.abs(node - plane) < 1e-5] % (2.0 * np.pi))
+        gaps_deg.append(np.sort(np.rad2deg(np.diff(slots, append=slots[0] + 2.0 * np.pi))))
+    gaps_deg.sort(key=tuple)
+    assert len(gaps_deg) == 6
+    for one, twin in zip(gaps_deg[::2], gaps_deg[1::2], strict=True):
+        np.testing.assert_allclose(one, twin, atol=0.05)
+        assert one[0] == pytest.approx(31.0, abs=1.5)
+        assert one[1] == pytest.approx(one[2])
+        assert one[-1] == pytest.approx(103.0, abs=4.0)
+
+
 def test_everywhere_on_the_ground_there_are_at_least_five():
     """The promise of the GPS standard: 24 slots, five degrees of elevation."""
     rng = np.random.default_rng(1)

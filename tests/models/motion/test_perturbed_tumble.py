@@ -102,11 +102,22 @@ def test_gyroscopes_of_the_local_frame_add_up_to_its_turn(tumble):
     assert off < 1e-8  # rad, of 0.1 turned
 
 
-def test_a_shutter_beside_the_motion_sees_it_go_on(tumble):
-    """The orbit before the start is its own continuation to the third order in time."""
-    beside = tumble.chaser_state_beside(-0.01)
-    first = tumble.chaser_state(0.0)
-    moved = first.position_in_inertial - beside.position_in_inertial
-    np.testing.assert_allclose(moved, 0.01 * first.velocity_in_inertial, atol=1e-3)
+@pytest.mark.parametrize(("end_s", "late_s"), [(0.0, -1.0), (SPAN_S, 1.0)])
+def test_a_shutter_beside_the_motion_sees_it_go_on(tumble, end_s, late_s):
+    """Before and after, the orbit is its own continuation, to the third order in time.
+
+    The pull at the end is that of the velocities inside, by a difference of second order; in a
+    second it moves the chaser by 4 m, its change by a millimetre.
+    """
+    states = [tumble.chaser_state(end_s - step * late_s) for step in range(3)]
+    first, second, third = (state.velocity_in_inertial for state in states)
+    pull = (1.5 * first - 2.0 * second + 0.5 * third) / late_s
+    beside = tumble.chaser_state_beside(end_s + late_s)
+    moved = beside.position_in_inertial - states[0].position_in_inertial
+    np.testing.assert_allclose(moved, late_s * first + 0.5 * late_s**2 * pull, atol=3e-3)
+    np.testing.assert_allclose(beside.velocity_in_inertial, first + late_s * pull, atol=1e-4)
+
+
+def test_there_is_no_motion_beyond_its_end(tumble):
     with pytest.raises(ValueError, match="longer duration"):
         tumble.state(SPAN_S + 1.0)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 import bench
 from models.arrays import Floats
@@ -102,6 +104,29 @@ def test_bodies_are_closed_and_face_outward(craft: Spacecraft) -> None:
         for body in whole.split(only_watertight=False):
             assert body.is_watertight, (part.name, part.material)
             assert body.volume > 0.0, (part.name, part.material)
+
+
+def test_nothing_floats_beside_the_craft(craft: Spacecraft) -> None:
+    """From any body every other is reached over bodies whose boxes come within 2 cm."""
+    low, high = [], []
+    for part in craft.parts:
+        mesh = part.mesh
+        _, place = np.unique(np.round(mesh.vertices, 6), axis=0, return_inverse=True)
+        corners = place.ravel()[mesh.faces]
+        edges = np.concatenate([corners[:, :2], corners[:, 1:]])
+        size = int(place.max()) + 1
+        joined = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), (size, size))
+        body = connected_components(joined, directed=False)[1][place.ravel()]
+        order = np.argsort(body, kind="stable")
+        first = np.flatnonzero(np.diff(body[order], prepend=-1))
+        low.append(np.minimum.reduceat(mesh.vertices[order], first))
+        high.append(np.maximum.reduceat(mesh.vertices[order], first))
+    lowest, highest = np.concatenate(low) - 0.01, np.concatenate(high) + 0.01
+    near = np.ones((len(lowest), len(lowest)), dtype=bool)
+    for axis in range(3):
+        near &= lowest[:, None, axis] <= highest[None, :, axis]
+        near &= highest[:, None, axis] >= lowest[None, :, axis]
+    assert connected_components(near, directed=False)[0] == 1
 
 
 def test_has_no_markers_and_its_origin_is_the_centre_of_mass(craft: Spacecraft) -> None:

@@ -12,6 +12,7 @@ from pipelines.acquisition.from_image import (
     ImageAcquirer,
     ImageAcquisition,
     ImageAcquisitionOptions,
+    reduced,
 )
 from pipelines.acquisition.view_sphere import (
     directions_all_around,
@@ -42,6 +43,23 @@ def is_right(found: RigidTransform, truth: RigidTransform) -> bool:
     turn = Rotation.from_matrix(found.rotation @ truth.rotation.T).magnitude()
     near = bool(np.linalg.norm(found.translation - truth.translation) < RIGHT_M)
     return bool(np.rad2deg(turn) < RIGHT_DEG) and near
+
+
+def test_a_reduced_image_keeps_its_light_and_its_rays() -> None:
+    """Light that grows along both axes, by what the camera says of where each pixel looks."""
+    rows, columns = np.mgrid[0 : CAMERA.height, 0 : CAMERA.width]
+    image = np.rint(500.0 + 2.0 * columns + 1.0 * rows).astype(np.uint16)
+    small, camera = reduced(image, CAMERA, CAMERA.width // 4)
+    assert small.dtype == np.uint16
+    assert small.shape == (camera.height, camera.width) == (CAMERA.height // 4, CAMERA.width // 4)
+    assert small.mean() == pytest.approx(image.mean(), abs=0.5)
+    point = np.array([[0.1, -0.05, 1.0]])
+    (x, y), (u, v) = CAMERA.project(point)[0], camera.project(point)[0]
+    level = float(small[round(v), round(u)]) + 4.0 * (2.0 * (u - round(u)) + (v - round(v)))
+    assert level == pytest.approx(500.0 + 2.0 * x + y, abs=1.0)
+    same, whole = reduced(image, CAMERA, CAMERA.width)
+    assert same is image
+    assert whole is CAMERA
 
 
 @pytest.fixture(scope="module")

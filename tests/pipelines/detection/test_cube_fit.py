@@ -109,6 +109,15 @@ def test_the_templates_aperture_is_the_closed_forms() -> None:
         assert template.aperture_share == pytest.approx(share, abs=grid)
 
 
+def test_edges_take_their_light_from_the_aperture() -> None:
+    """At normal incidence: seams on both sides of the middle, over a round aperture."""
+    whole = template_of(told(edge_share=0.0), 15.5, 0.0)
+    seamed = template_of(told(edges_in_target=None), 15.5, 0.0)
+    taken = seamed.edges.sum() / seamed.face.sum()
+    assert 0.0 < taken < 0.5 * whole.aperture_share
+    assert seamed.aperture_share == pytest.approx(whole.aperture_share - taken, abs=2e-3)
+
+
 def test_edges_that_nobody_knows_the_turn_of_take_as_much_light() -> None:
     """In the mean over all turns, at normal incidence and aslant."""
     for tilt_deg in (0.0, 20.0):

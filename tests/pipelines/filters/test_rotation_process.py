@@ -147,6 +147,18 @@ def test_turns_are_small_rotations_on_the_right() -> None:
     )
 
 
+@pytest.mark.parametrize("angle_rad", [1e-9, 1e-3, 1.0, 2.6, 2.8, np.pi - 1e-4, np.pi - 1e-9])
+def test_turns_of_any_size_are_found_again(angle_rad: float) -> None:
+    """Up to half a turn, where the sines alone no longer tell the axis."""
+    start = Rotation.from_rotvec([0.1, 2.0, -0.4]).as_matrix()
+    for axis in Rotation.random(20, random_state=3).as_matrix()[:, 0]:
+        end = start @ Rotation.from_rotvec(angle_rad * axis).as_matrix()
+        turn = turn_between(start, end)
+        away = Rotation.from_matrix(end.T @ start @ Rotation.from_rotvec(turn).as_matrix())
+        assert away.magnitude() < 1e-12 + 1e-7 * angle_rad
+        assert np.linalg.norm(turn) == pytest.approx(angle_rad, rel=1e-6)
+
+
 @pytest.mark.parametrize("inertia", [None, XMM], ids=["constant rate", "Euler"])
 def test_the_noise_is_the_integral_over_the_step(inertia: Floats | None) -> None:
     """Accelerations left out, carried on from each instant of the step to its end: quadrature."""

@@ -50,6 +50,24 @@ def test_a_slope_leaves_the_middle_as_it_was() -> None:
     assert abs(factor[64, 128] - 1.0) > 1e-3
 
 
+def test_shares_are_one_sigma_over_the_runs_at_the_edge_and_the_corner() -> None:
+    """A slope of each axis by itself, and a falloff: of a variance from Gaussian draws."""
+    many, spread = range(RUNS), 4.0 / np.sqrt(2.0 * RUNS)
+    edge = (CAMERA.width - 1) / CAMERA.width
+    tilted = [of(run, lamp_tilt=0.1).of_lamp("lamps_850", CAMERA, WHOLE) for run in many]
+    right, down = (np.array([each[place] for each in tilted]) for place in ((64, 128), (128, 64)))
+    for own in (right, down):
+        assert own.std() == pytest.approx(0.1 * edge, rel=spread)
+        assert abs(own.mean() - 1.0) < 4.0 * 0.1 / np.sqrt(RUNS)
+    assert abs(np.corrcoef(right, down)[0, 1]) < 4.0 / np.sqrt(RUNS)
+    darkened = np.array(
+        [of(run, vignetting=0.05).darkened(CAMERA, WHOLE)[[0, 64], [0, 0]] for run in many]
+    )
+    np.testing.assert_allclose(
+        darkened.std(axis=0), 0.05 * edge**2 * np.array([1.0, 0.5]), rtol=spread
+    )
+
+
 def test_corners_darken_and_a_part_is_that_of_the_whole() -> None:
     own = of(1, vignetting=0.05)
     whole = own.darkened(CAMERA, WHOLE)
