@@ -113,5 +113,5 @@ def test_light_that_was_traced_for_one_exposure_is_not_asked_for_another(tmp_pat
     case = tmp_path / "blurred.toml"
     case.write_text('name = "blurred"\n[shutter]\nblur = true\n')
     plan_sweep(SweepRequest(str(case), Path("unused"), time_s=(5.0,)))
-    with pytest.raises(ScenarioError, match="no --exposure-ms with shutter.blur"):
+    with pytest.raises(ScenarioError, match=r"no --exposure-ms with shutter\.blur"):
         plan_sweep(SweepRequest(str(case), Path("unused"), time_s=(5.0,), exposure_ms=(3.0,)))
