@@ -107,6 +107,20 @@ def test_undistortion_agrees_with_opencv() -> None:
     np.testing.assert_allclose(difference_px, 0.0, atol=OPENCV_UNDISTORT_PX)
 
 
+STEP = 1e-6
+OF_A_STEP = 1e-6  # what central differences err by, and rounding
+
+
+def test_a_lens_bends_neighbouring_rays_by_the_slopes_that_newton_takes() -> None:
+    lens = Camera(640, 480, 500.0, 500.0, 320.0, 240.0, k1=-0.3, k2=0.2, p1=2e-3, p2=-3e-3, k3=-0.1)
+    places = np.array([[0.3, -0.2], [-0.5, 0.1], [0.2, 0.4], [0.0, 0.0]])
+    ahead, aside, down = lens._distortion_slopes(places)
+    for axis, expected in ((0, (ahead, aside)), (1, (aside, down))):
+        step = STEP * np.eye(2)[axis]
+        bent = (lens.distort(places + step) - lens.distort(places - step)) / (2.0 * STEP)
+        np.testing.assert_allclose(bent, np.stack(expected, axis=-1), atol=OF_A_STEP)
+
+
 @given(distorted_cameras(), pixels())
 def test_a_pixels_ray_projects_to_the_pixel(camera: Camera, pixel: Floats) -> None:
     ray = camera.rays(pixel)

@@ -94,6 +94,22 @@ def test_air_is_thinner_higher_and_densest_behind_noon():
         density(300e3, 0)
 
 
+@pytest.mark.parametrize("declination_deg", [-23.0, 23.0])
+@pytest.mark.parametrize("right_ascension_deg", [0.0, 140.0])
+def test_air_is_densest_two_hours_behind_a_sun_that_stands_over_a_tropic(
+    declination_deg, right_ascension_deg
+):
+    def towards(hours, declination_deg):
+        lon, lat = np.deg2rad([right_ascension_deg + 15.0 * hours, declination_deg])
+        return np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
+
+    sun = 1.5e11 * towards(0.0, declination_deg)
+    hours = np.arange(0.0, 24.0, 0.5)
+    along = [air_density(6_900e3 * towards(hour, 0.0), sun) for hour in hours]
+    assert hours[np.argmax(along)] == 2.0
+    np.testing.assert_allclose(along, np.roll(along[::-1], 9), rtol=1e-9)  # even about it
+
+
 def test_air_that_turns_along_does_not_brake():
     place = np.array([7e6, 0.0, 0.0])
     with_it = np.array([0.0, 7e6 * EARTH_RATE_RAD_S, 0.0])
