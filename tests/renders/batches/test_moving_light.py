@@ -21,9 +21,9 @@ from tests.support.small_scenes import needs_jit
 WIDTH, EXPOSURE_MS, TIME_S = 256, 40.0, 10.0
 SIDEWAYS_M_S = (1.6, 0.0, 0.0)
 ROW_US = 300.0
-OF_LIGHT = 0.015  # samples are finite, and a lamp's light changes by 3 % on the way
+OF_LIGHT = 0.015  # the median of so small a box takes a hundredth of a smear for background
 CENTROID_PX = 0.03  # by the samples at a marker's rim, five sigma
-SPREAD_PX2 = 0.06
+SPREAD_PX2 = 0.06  # by the face's glow within the box: a tenth of what is looked for
 MARKER = 0  # in the middle of the face, alone within ten pixels
 REACH_PX = (4, 2)  # columns and rows: the face round it shines in the lamps, too
 
