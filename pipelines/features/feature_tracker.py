@@ -15,7 +15,7 @@ import numpy as np
 from models.arrays import Floats, Image, Indices, Labels, Mask, Radiance
 from models.camera import Camera
 from models.sensors.camera_chip import Detector
-from pipelines.detection.target_region import find_target
+from pipelines.detection.target_region import TargetRegion, find_target
 from pipelines.features.anchored_patch import Anchors, fitted
 from pipelines.features.appearance import described, recognised
 from pipelines.features.fine_detail import fine_detail, has_corners
@@ -36,7 +36,8 @@ class TrackerOptions:
     quality : float
         Of the strongest corner, see Shi and Tomasi 1994.
     rim_px : int, px
-        From the border of the lit target, within which nothing is born: the limb is no place.
+        From the border of the lit target, within which nothing is born. A corner there is a place;
+        the limb is none, but it is no corner.
     floor_px : float, px
         1 sigma of a place found by its first look, whatever the noise.
     likeness : float
@@ -54,11 +55,11 @@ class TrackerOptions:
     most: int = 150
     apart_px: float = 8.0
     quality: float = 0.01
-    rim_px: int = 5
+    rim_px: int = 1
     floor_px: float = 0.07
     likeness: float = 0.9
     farthest_px: float = 2.0
-    widest_turn: float = 1.5
+    widest_turn: float = 2.0
     check_every: int = 5
     most_lost: int = 2000
 
@@ -74,11 +75,14 @@ class FeaturesSeen:
         As in the image, distortion and all.
     sigma_px : (n,) array, px
         Of each axis.
+    region : TargetRegion or None
+        Where the target shines.
     """
 
     names: Indices
     points_px: Floats
     sigma_px: Floats
+    region: TargetRegion | None = None
 
 
 @dataclass(eq=False)
@@ -135,7 +139,7 @@ class FeatureTracker:
         self._before = grey
         self._frame += 1
         live = self._live
-        return FeaturesSeen(live.names.copy(), live.points.copy(), np.sqrt(live.variance))
+        return FeaturesSeen(live.names.copy(), live.points.copy(), np.sqrt(live.variance), region)
 
     def _follow(self, grey: Labels) -> None:
         live = self._live

@@ -42,6 +42,7 @@ from pipelines.unknown_target.other_starts import flat, mirrored
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
 from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
+from pipelines.unknown_target.silhouettes import Silhouettes
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
 from pipelines.unknown_target.unknowns import (
@@ -56,6 +57,8 @@ from pipelines.unknown_target.unknowns import (
 AHEAD_S = 30.0  # the tumble is followed at least so far beyond the last frame
 SETTLED = 0.01  # square of a step in sigmas, below which it is none
 MISFIT = 1.6  # sigmas of most sightings, above which they are not explained; of a third false: 1.4
+CARVINGS = 2  # of the hull, each followed by a descent
+REACHED = 0.95  # of the points lie within what is looked through for the hull
 REFUSED = 0.1  # weight below which an observation is refused
 
 
@@ -81,14 +84,18 @@ class BatchEstimator:
         self._equations = self._prior.equations(self._at)
         self._solved = self._equations.solve()
         self._sightings, self._ranges = Sightings.none(), Ranges.none()
+        self._silhouettes = Silhouettes(camera)
         self._frozen: tuple[ArrowEquations, Unknowns] | None = None
         self._epochs: Epochs | None = None
         self._start_s, self._linearised_at = 0.0, 0
+        self._hull_known = False
         self._looked_at = options.every_frame_until
 
     def add(self, frame: TrackedFrame) -> None:
         """Take in a frame; its time is after those of all before."""
         self._note(frame)
+        if frame.covered is not None and self._options.range_to == "hull":
+            self._silhouettes.add(len(self._known_epochs.times_s) - 1, frame.covered)
         epochs, number = self._known_epochs, len(self._known_epochs.times_s) - 1
         if epochs.times_s[-1] > self._tumble.until_s:
             self._linearise()
@@ -230,7 +237,8 @@ class BatchEstimator:
 
     def _take_range(self, number: int, range_m: float, sigma_m: float, known: Sightings) -> None:
         facet = facet_in_sight(known.seen, known.who)
-        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet)
+        share = self._shares(np.array([number]))[0] if self._hull_known else np.nan
+        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet, share)
         if not len(self._at.points):
             return
         where, frame = self._placed(np.array([number]))
@@ -242,7 +250,8 @@ class BatchEstimator:
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
         live = self._tracks.live
         spread_m = hull_sigma_m(self._solved, live, self._prior)
-        return range_rows(where, ranges, at, live, spread_m, self._options)
+        px_rad = 1.0 / self._camera.fx
+        return range_rows(where, ranges, at, live, spread_m, self._options, px_rad)
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)
@@ -250,11 +259,13 @@ class BatchEstimator:
 
     def _linearise(self) -> None:
         """Linearise everything anew about the solution; look elsewhere if that explains nothing."""
-        if self._options.range_to == "facet":
+        if self._options.range_to in ("facet", "hull"):
             self._ranges = facets_found(self._ranges, self._sightings, self._tracks.live)
         best = self._descended(
             self._at.moved(*within_reach(self._solved.shared, self._solved.points))
         )
+        if self._options.range_to == "hull":
+            best = self._by_hull(best)
         count = len(self._known_epochs.times_s)
         if best.misfit > MISFIT and count >= self._options.growth * self._looked_at:
             self._looked_at = count
@@ -269,6 +280,34 @@ class BatchEstimator:
         self._linearised_at = count
         self._give_up(weights[0])
         self._freeze(best.rows, weights)
+
+    def _by_hull(self, best: Descent) -> Descent:
+        """Carve the hull as the target is now placed, read the ranges by it, and go on down."""
+        for _ in range(CARVINGS):
+            where = placed(best.at, best.tumble, self._known_epochs)
+            share = self._entry_shares(where, self._ranges.frame, best.at.points)
+            self._hull_known = bool(np.isfinite(share).any())
+            if not self._hull_known:
+                break
+            self._ranges = replace(self._ranges, share=share)
+            best = self._descended(best.at)
+        return best
+
+    def _shares(self, frames: Indices) -> Floats:
+        """Return at which share of the distance the beams of some frames enter the hull."""
+        at = self._at.moved(self._solved.shared, self._solved.points)
+        where = placed(self._at, self._tumble, self._known_epochs).moved(self._solved.shared)
+        return self._entry_shares(where, frames, at.points)
+
+    def _entry_shares(self, where: Placed, frames: Indices, points: Floats) -> Floats:
+        own = np.array(self._silhouettes.frames, dtype=np.int64)
+        beams = where.take(frames)
+        if not self._tracks.live.any() or not len(own):
+            return np.full(len(frames), np.nan)
+        size_m = np.linalg.norm(points[self._tracks.live], axis=1)
+        reach_m = float(np.quantile(size_m, REACHED))
+        entry_m = self._silhouettes.entries(where.take(own), beams, reach_m)
+        return np.asarray(entry_m / np.linalg.norm(beams.t_cam_from_target, axis=1))
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.
@@ -326,7 +365,8 @@ class BatchEstimator:
             )
             for each in rows
         )
-        return [seen, ranged / self._alike]
+        tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, self._options.track_gate)
+        return [seen * tracks, ranged / self._alike]
 
     @property
     def _alike(self) -> float:

@@ -11,14 +11,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from models.arrays import Mask
 from models.camera import Camera
 from models.estimate import Detections, Estimate
 from models.frame import IMAGE, Frame
-from pipelines.features.feature_tracker import FeatureTracker
+from pipelines.features.feature_tracker import FeaturesSeen, FeatureTracker
 from pipelines.unknown_target.image_start import ImageStart
 from pipelines.unknown_target.knowledge import UnknownTargetKnowledge, mean_motion_of
 from pipelines.unknown_target.options import ImageOptions, UnknownTargetOptions
 from pipelines.unknown_target.pipeline import UnknownTarget, estimate_of
+from pipelines.unknown_target.silhouettes import silhouette
 from pipelines.unknown_target.tracked_frame import TrackedFrame, range_of
 
 
@@ -110,7 +112,13 @@ class UnknownFromImages:
             seen.sigma_px,
             range_m,
             sigma_m,
+            self._covered(frame.index, seen),
         )
+
+    def _covered(self, index: int, seen: FeaturesSeen) -> Mask | None:
+        if index % self._options.silhouette_every or not seen.region:
+            return None
+        return silhouette(seen.region)
 
     def _without(self, seen: TrackedFrame, reason: str) -> Estimate:
         unused = [False] * len(seen.tracks)

@@ -84,6 +84,15 @@ class Placed:
     turn_by_rest: Floats
     omega_by_rest: Floats
 
+    def take(self, which: Indices) -> Placed:
+        """Return some of them.
+
+        Parameters
+        ----------
+        which : (k,) int array
+        """
+        return Placed(**{name: part[which] for name, part in vars(self).items()})
+
     def moved(self, shared: Floats) -> Placed:
         """Return where the target is after a (14,) step of the shared unknowns."""
         turns = Rotation.from_rotvec(self.turn_by_rest @ shared[TURN]).as_matrix()

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 from models.errors import ScenarioError
 from pipelines.features.feature_tracker import TrackerOptions
 
-RangeTo: TypeAlias = Literal["centre", "surface", "facet"]
+RangeTo: TypeAlias = Literal["centre", "surface", "facet", "hull"]
 VARIANTS = ("paper", "best")
 
 
@@ -46,7 +46,12 @@ class BatchOptions:
     ----------
     range_to : str
         What a range is taken to be to: ``surface``, the hull of all points; ``facet``, the surface
-        between those that were seen about the beam; or the ``centre`` of mass as in the paper.
+        between those that were seen about the beam; ``hull``, what silhouettes leave of space,
+        and a facet until they go round; or the ``centre`` of mass as in the paper.
+    hull_px : float, px
+        1 sigma by which a silhouette's border errs, and the surface lies off the hull.
+    track_gate : float
+        A track whose errors over its life are so many times those of most counts less and less.
     relief_m : float, m
         1 sigma by which the surface lies off the hull of the points.
     relief_share : float
@@ -83,6 +88,8 @@ class BatchOptions:
     """
 
     range_to: RangeTo = "surface"
+    hull_px: float = 0.7
+    track_gate: float = float("inf")
     relief_m: float = 0.01
     relief_share: float = 0.05
     relief_frames: float = 10.0
@@ -101,10 +108,10 @@ class BatchOptions:
     most_sigma_m: float = float("inf")
 
     def __post_init__(self) -> None:
-        if self.range_to not in ("centre", "surface", "facet"):
+        if self.range_to not in ("centre", "surface", "facet", "hull"):
             raise ScenarioError(
-                "unknown target options: expected range_to of 'centre', 'surface' or 'facet', "
-                f"got {self.range_to!r}"
+                "unknown target options: expected range_to of 'centre', 'surface', 'facet' or "
+                f"'hull', got {self.range_to!r}"
             )
         if self.births < 1 or not self.growth > 1.0 or not self.gate_sigmas > 0.0:
             raise ScenarioError(
@@ -139,6 +146,8 @@ class ImageOptions:
     ----------
     tracker : TrackerOptions
     batch : BatchOptions
+    silhouette_every : int
+        Frames from one whose silhouette is kept to the next.
     alike_frames : float
         So many sightings of a track in a row err alike, for it drifts: what is stated of all
         that is known is wider by the root of it.
@@ -147,7 +156,8 @@ class ImageOptions:
     tracker: TrackerOptions = field(default_factory=TrackerOptions)
     batch: BatchOptions = field(
         default_factory=lambda: BatchOptions(
-            range_to="facet",
+            range_to="hull",
+            track_gate=2.0,
             births=6,
             birth_reach=0.01,
             every_frame_until=4,
@@ -161,6 +171,7 @@ class ImageOptions:
             most_sigma_m=0.3,
         )
     )
+    silhouette_every: int = 5
     alike_frames: float = 20.0
 
 

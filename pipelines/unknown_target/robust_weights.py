@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arrays import Floats
+from models.arrays import Floats, Indices
 
+OUTLIER = 10.0  # sigmas, by which a single sighting counts at most against its track
 MOST = 0.5  # of measurements, which must agree to be believed against the rest
 # Median length of a Gaussian vector of so many numbers, sigma 1.
 MEDIANS = {1: 0.6745, 2: 1.1774}
@@ -37,6 +38,31 @@ def weights(sizes: Floats, gate: float) -> Floats:
     gate : float
     """
     return np.asarray((gate / np.maximum(sizes, gate)) ** 4, dtype=np.float64)
+
+
+def of_tracks(sizes: Floats, who: Indices, gate: float) -> Floats:
+    """Return (m,) weights by how well the whole life of each track is explained.
+
+    A highlight that slides moves from image to image as a point does, and errs by a little in all
+    of them: it is told by its whole life, not by any frame. What errs more than it states counts
+    by what it errs; beyond the gate, in units of what most tracks err, it counts less and less.
+
+    Parameters
+    ----------
+    sizes : (m,) array
+        Lengths of errors in sigmas, of two numbers each.
+    who : (m,) int array
+        The track of each.
+    gate : float
+    """
+    if not len(sizes) or not np.isfinite(gate):
+        return np.ones(len(sizes))
+    squares = np.where(np.isfinite(sizes), np.minimum(sizes, OUTLIER) ** 2, OUTLIER**2)
+    seen = np.bincount(who)
+    errs = np.sqrt(np.bincount(who, weights=squares) / np.maximum(2 * seen, 1))
+    most = max(1.0, float(np.median(errs[seen > 0])))
+    own = np.maximum(errs, 1.0)
+    return np.asarray((weights(errs / most, gate) / own**2)[who])
 
 
 def of_most(sizes: Floats, numbers: int, gate: float, opened: float) -> Floats:

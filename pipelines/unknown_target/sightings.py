@@ -93,17 +93,22 @@ class Ranges:
     range_m, sigma_m : (m,) array, m
     facets : Facets
         Between which points each beam fell, as that image showed them.
+    share : (m,) array
+        Of the distance to the centre of mass, where silhouettes tell it; NaN where they do not.
     """
 
     frame: Indices
     range_m: Floats
     sigma_m: Floats
     facets: Facets
+    share: Floats
 
     @classmethod
     def none(cls) -> Ranges:
         """Return none at all."""
-        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), Facets.none(0))
+        return cls(
+            np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), Facets.none(0), np.zeros(0)
+        )
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -116,10 +121,13 @@ class Ranges:
         which : (m,) bool array or slice
         """
         return Ranges(
-            self.frame[which], self.range_m[which], self.sigma_m[which], self.facets.take(which)
-        )
+            self.frame[which], self.range_m[which], self.sigma_m[which], self.facets.take(which),
+            self.share[which],
+        )  # fmt: skip
 
-    def with_one(self, frame: int, range_m: float, sigma_m: float, facet: Facets) -> Ranges:
+    def with_one(
+        self, frame: int, range_m: float, sigma_m: float, facet: Facets, share: float = np.nan
+    ) -> Ranges:
         """Return these and one more.
 
         Parameters
@@ -128,12 +136,14 @@ class Ranges:
         range_m, sigma_m : float, m
         facet : Facets
             One.
+        share : float
         """
         return Ranges(
             np.append(self.frame, frame),
             np.append(self.range_m, range_m),
             np.append(self.sigma_m, sigma_m),
             self.facets.followed_by(facet),
+            np.append(self.share, share),
         )
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats, Indices
+from models.arrays import Floats, Indices, Mask
 from models.errors import DatasetError
 from models.frame import RANGE, Frame, TableReading
 from models.sensors.range_finder import RANGE_COLUMNS
@@ -39,6 +39,8 @@ class TrackedFrame:
         1 sigma per axis, as the tracker believes it.
     range_m, range_sigma_m : float or None, m
         Along the boresight.
+    covered : (height, width) bool array or None
+        The pixels that the target covers, where they are kept.
     """
 
     index: int
@@ -49,6 +51,7 @@ class TrackedFrame:
     sigma_px: Floats
     range_m: float | None = None
     range_sigma_m: float | None = None
+    covered: Mask | None = None
 
     def as_frame(self) -> Frame:
         """Return the same as tables."""
