@@ -23,6 +23,7 @@ preset = "chaser_fixed"
 width = {width}
 """
 SUNS_A_POSE = 5
+SUNS_AT_45_DEG = 22
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ def works(size: float) -> list[Work]:
         Work(
             "a sweep, 512 px",
             "Suns",
-            26,
+            SUNS_AT_45_DEG,
             lambda folder, workers: [
                 *("sweep", "maxar-approach", "--range-m", "2.5", "--sun-step-deg", "45"),
                 *("--width", "512", "--spp", "16", "--draws", "1", "--threads", f"{workers}"),
