@@ -58,7 +58,6 @@ AHEAD_S = 30.0  # the tumble is followed at least so far beyond the last frame
 SETTLED = 0.01  # square of a step in sigmas, below which it is none
 MISFIT = 1.6  # sigmas of most sightings, above which they are not explained; of a third false: 1.4
 CARVINGS = 2  # of the hull, each followed by a descent
-REACHED = 0.95  # of the points lie within what is looked through for the hull
 REFUSED = 0.1  # weight below which an observation is refused
 
 
@@ -300,14 +299,7 @@ class BatchEstimator:
         return self._entry_shares(where, frames, at.points)
 
     def _entry_shares(self, where: Placed, frames: Indices, points: Floats) -> Floats:
-        own = np.array(self._silhouettes.frames, dtype=np.int64)
-        beams = where.take(frames)
-        if not self._tracks.live.any() or not len(own):
-            return np.full(len(frames), np.nan)
-        size_m = np.linalg.norm(points[self._tracks.live], axis=1)
-        reach_m = float(np.quantile(size_m, REACHED))
-        entry_m = self._silhouettes.entries(where.take(own), beams, reach_m)
-        return np.asarray(entry_m / np.linalg.norm(beams.t_cam_from_target, axis=1))
+        return self._silhouettes.shares(where, frames, points[self._tracks.live])
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.

@@ -149,8 +149,8 @@ class ImageOptions:
     silhouette_every : int
         Frames from one whose silhouette is kept to the next.
     alike_frames : float
-        So many sightings of a track in a row err alike, for it drifts: what is stated of all
-        that is known is wider by the root of it.
+        So many sightings of a track err alike, for it drifts as long as it lives: what is stated
+        of all that is known is wider by the root of it.
     """
 
     tracker: TrackerOptions = field(default_factory=TrackerOptions)
@@ -172,7 +172,7 @@ class ImageOptions:
         )
     )
     silhouette_every: int = 5
-    alike_frames: float = 20.0
+    alike_frames: float = 100.0
 
 
 IMAGE_VARIANTS = {"best": ImageOptions()}

@@ -24,6 +24,7 @@ LOCAL_PX = 7
 EDGE_LEVEL = 0.4  # of the brightest about it: where an edge is
 CARVED = 0.03  # share of the images that may lack a place: a shadow, a pose that errs
 STEPS = 100  # along the beam, twice: within the reach, and within one step of that
+REACHED = 0.95  # of the points lie within what is looked through
 FEWEST = 20  # silhouettes
 WIDEST_GAP = (
     0.2  # cosine below zero: views must go so far round, or the hull is a cone before the target
@@ -71,6 +72,28 @@ class Silhouettes:
         """
         self.frames.append(frame)
         self.packed.append(np.packbits(covered, axis=1))
+
+    def shares(self, where: Placed, frames: Indices, points: Floats) -> Floats:
+        """Return at which share of the distance to the centre of mass beams enter, (m,).
+
+        NaN where it is not known. As the hull grows with that distance, the share does not.
+
+        Parameters
+        ----------
+        where : Placed
+            All frames.
+        frames : (m,) int array
+            Those of the beams, places in ``where``.
+        points : (n, 3) array, m
+            That are believed in: they tell how large the target is.
+        """
+        beams = where.take(frames)
+        if not len(points) or not self.frames:
+            return np.full(len(frames), np.nan)
+        reach_m = float(np.quantile(np.linalg.norm(points, axis=1), REACHED))
+        own = where.take(np.array(self.frames, dtype=np.int64))
+        entry_m = self.entries(own, beams, reach_m)
+        return np.asarray(entry_m / np.linalg.norm(beams.t_cam_from_target, axis=1))
 
     def entries(self, own: Placed, beams: Placed, reach_m: float) -> Floats:
         """Return how far along the boresight the hull begins, (m,) m; NaN where it is not known.
