@@ -22,8 +22,6 @@ import numpy as np
 
 from models.arrays import Floats, Indices
 from models.camera import Camera
-from models.motion.clohessy_wiltshire import state_transition
-from models.motion.gravity_gradient_rotation import lvlh_from_first
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
@@ -140,13 +138,7 @@ class BatchEstimator:
         if self._epochs is None:
             self._start_s = frame.time_s
         after_s = frame.time_s - self._start_s
-        attitude = frame.R_cam_from_lvlh
-        epoch = Epochs(
-            np.array([after_s]),
-            attitude[None],
-            (attitude @ lvlh_from_first(self._motion * after_s))[None],
-            state_transition(self._motion, after_s)[None],
-        )
+        epoch = Epochs.of(after_s, frame.R_cam_from_lvlh, self._motion)
         if self._epochs is None:
             self._epochs = epoch
             self._tumble = self._followed(self._at)
@@ -244,13 +236,12 @@ class BatchEstimator:
         one = replace(self._ranges.take(slice(-1, None)), frame=frame)
         rows = self._range_rows(where, one, self._at)
         weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
-        self._add(rows, weights / self._alike)
+        self._add(rows, weights / self._options.alike_ranges)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
         live = self._tracks.live
         spread_m = hull_sigma_m(self._solved, live, self._prior)
-        px_rad = 1.0 / self._camera.fx
-        return range_rows(where, ranges, at, live, spread_m, self._options, px_rad)
+        return range_rows(where, ranges, at, live, spread_m, self._options, 1.0 / self._camera.fx)
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)
@@ -284,7 +275,8 @@ class BatchEstimator:
         """Carve the hull as the target is now placed, read the ranges by it, and go on down."""
         for _ in range(CARVINGS):
             where = placed(best.at, best.tumble, self._known_epochs)
-            share = self._entry_shares(where, self._ranges.frame, best.at.points)
+            points = best.at.points[self._tracks.live]
+            share = self._silhouettes.shares(where, self._ranges.frame, points)
             self._hull_known = bool(np.isfinite(share).any())
             if not self._hull_known:
                 break
@@ -296,10 +288,7 @@ class BatchEstimator:
         """Return at which share of the distance the beams of some frames enter the hull."""
         at = self._at.moved(self._solved.shared, self._solved.points)
         where = placed(self._at, self._tumble, self._known_epochs).moved(self._solved.shared)
-        return self._entry_shares(where, frames, at.points)
-
-    def _entry_shares(self, where: Placed, frames: Indices, points: Floats) -> Floats:
-        return self._silhouettes.shares(where, frames, points[self._tracks.live])
+        return self._silhouettes.shares(where, frames, at.points[self._tracks.live])
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.
@@ -318,7 +307,8 @@ class BatchEstimator:
             if equations.square(*step) < SETTLED:
                 if opened == 1.0:
                     break
-                opened = max(1.0, 0.5 * min(opened, self._widest(rows)))
+                widest = max(robust_weights.spread(r.sizes, r.error.shape[1]) for r in rows)
+                opened = max(1.0, 0.5 * min(opened, widest))
                 continue
             next_at = at.moved(*step)
             next_tumble = self._followed(next_at)
@@ -340,14 +330,8 @@ class BatchEstimator:
         own = self._sightings
         seen = sighting_rows(where, at.points, own.frame, own.who, own.seen, own.sigma)
         if not len(self._ranges) or not len(at.points):
-            nothing = np.zeros((0, 1, 3))
-            return seen, Rows(
-                np.zeros((0, 1, SHARED)), nothing, np.zeros((0, 1)), np.zeros(0, dtype=np.int64)
-            )
+            return seen, Rows.none()
         return seen, self._range_rows(where, self._ranges, at)
-
-    def _widest(self, rows: tuple[Rows, Rows]) -> float:
-        return max(robust_weights.spread(each.sizes, each.error.shape[1]) for each in rows)
 
     def _weights_of(self, rows: tuple[Rows, Rows], opened: float) -> list[Floats]:
         """Return the weights of sightings and of ranges; gates are no wider than ``opened``."""
@@ -358,12 +342,7 @@ class BatchEstimator:
             for each in rows
         )
         tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, self._options.track_gate)
-        return [seen * tracks, ranged / self._alike]
-
-    @property
-    def _alike(self) -> float:
-        """How many ranges are worth one: those to a surface err alike as long as they meet it."""
-        return 1.0 if self._options.range_to == "centre" else self._options.relief_frames
+        return [seen * tracks, ranged / self._options.alike_ranges]
 
     def _summed(
         self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]

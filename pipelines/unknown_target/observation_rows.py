@@ -9,6 +9,8 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats, Indices, Mask
+from models.motion.clohessy_wiltshire import state_transition
+from models.motion.gravity_gradient_rotation import lvlh_from_first
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.unknowns import PLACE, SHARED, TURN, Unknowns
 
@@ -35,6 +37,25 @@ class Epochs:
     R_cam_from_lvlh: Floats
     R_cam_from_start: Floats
     transition: Floats
+
+    @classmethod
+    def of(cls, after_s: float, R_cam_from_lvlh: Floats, mean_motion_rad_s: float) -> Epochs:
+        """Return one frame.
+
+        Parameters
+        ----------
+        after_s : float, s
+            After the start.
+        R_cam_from_lvlh : (3, 3) array
+        mean_motion_rad_s : float, rad/s
+            Of the target's circular orbit.
+        """
+        return cls(
+            np.array([after_s]),
+            R_cam_from_lvlh[None],
+            (R_cam_from_lvlh @ lvlh_from_first(mean_motion_rad_s * after_s))[None],
+            state_transition(mean_motion_rad_s, after_s)[None],
+        )
 
     def take(self, which: Indices | slice) -> Epochs:
         """Return some of them.
@@ -148,6 +169,12 @@ class Rows:
     by_point: Floats
     error: Floats
     who: Indices
+
+    @classmethod
+    def none(cls) -> Rows:
+        """Return no rows, of one number each."""
+        shared, point = np.zeros((0, 1, SHARED)), np.zeros((0, 1, 3))
+        return cls(shared, point, np.zeros((0, 1)), np.zeros(0, dtype=np.int64))
 
     @property
     def sizes(self) -> Floats:

@@ -107,6 +107,11 @@ class BatchOptions:
     second_chances: bool = True
     most_sigma_m: float = float("inf")
 
+    @property
+    def alike_ranges(self) -> float:
+        """How many ranges are worth one: those to a surface err alike as long as they meet it."""
+        return 1.0 if self.range_to == "centre" else self.relief_frames
+
     def __post_init__(self) -> None:
         if self.range_to not in ("centre", "surface", "facet", "hull"):
             raise ScenarioError(
