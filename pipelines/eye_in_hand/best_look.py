@@ -29,7 +29,7 @@ from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import residuals_px, solve_match
 from pipelines.pnp.three_points import FittingPose, poses_of_three
-from pipelines.pnp.told_errors import with_common_errors
+from pipelines.pnp.told_errors import place_covariance_px2, with_common_errors
 
 SETTLED_PX, SETTLED_SIZE = 0.5, 0.02  # a rim fitted nearer to its pose than this need not be anew
 MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
@@ -282,13 +282,14 @@ class BestLook:
         seen = self._detections(circles, fitted.match, (False,) * len(fitted.match))
         if self._board is None or len(fitted.match) > 2:
             return Sighting(None, reason, seen)
+        dots = self._as_surveyed(fitted.match, predicted.pose)
         solved = pose_from_outline(
-            raw, self._camera, self._detector, self._markers, self._board, fitted.match,
-            predicted.pose, predicted.covariance, fitted.blur_px, self._options.outline_sigma_m,
+            raw, self._camera, self._detector, self._markers, self._board, dots, predicted.pose,
+            predicted.covariance, fitted.blur_px, self._options.outline_sigma_m,
         )  # fmt: skip
         if isinstance(solved, str):
             return Sighting(None, f"{reason}, {solved}", seen)
-        covariance = self._outline_covariance(fitted.match, solved.pose, solved.covariance)
+        covariance = self._outline_covariance(solved.pose, solved.covariance)
         sigma = np.sqrt(np.diag(covariance))
         options = self._options
         if (
@@ -312,7 +313,13 @@ class BestLook:
         pose = PoseEstimate(solved.pose, covariance, solved.residual_rms_px)
         return Sighting(pose, None, seen, "outline")
 
-    def _outline_covariance(self, match: Match, pose: RigidTransform, own: Floats) -> Floats:
+    def _as_surveyed(self, match: Match, pose: RigidTransform) -> Match:
+        """Add what the dots' survey may be off by: beside edges they are not all there is."""
+        points = self._markers.points_in_target[match.marker]
+        own = place_covariance_px2(self._camera, points, pose, self._sigmas)
+        return Match(match.points_px, match.covariance_px2 + own, match.marker)
+
+    def _outline_covariance(self, pose: RigidTransform, own: Floats) -> Floats:
         """Add what the told errors do to the dots' part, as if the board's corners were points."""
         assert self._board is not None
         corners = self._board.points_in_target
