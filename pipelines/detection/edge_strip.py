@@ -25,6 +25,7 @@ TURNS = 12
 STEPS = (1e-3, 1e-3, 1e-3)
 SETTLED_PX = 1e-3
 LEAST_GAIN = 25.0  # in chi-square, of a strip over none
+MOST_LEVEL = 0.7  # of a strip, over the board's: it lies in shadow, the board in light
 STRAIGHT_PX = 1e6
 LEAST_PIXELS_OVER = 10
 
@@ -109,6 +110,7 @@ def find_strip(
     scale = max(best.chi2 / freedom, 1.0)
     offset, turn, width = best.place
     sound = best.sound and 0.0 < width < reach and -reach < offset < BIN_PX
+    sound = sound and best.strip < MOST_LEVEL * best.board
     if not sound or (none.chi2 - best.chi2) / scale < LEAST_GAIN:
         return None
     return Strip(float(offset), float(turn), float(width), scale * best.covariance[:2, :2])
@@ -140,6 +142,8 @@ class _Fitted:
     chi2: float
     covariance: Floats
     sound: bool
+    board: float
+    strip: float
 
 
 class _Fit:
@@ -159,13 +163,13 @@ class _Fit:
         """Fit from a start; one without a width keeps none."""
         free = 3 if start[2] > 0.0 else 2
         place, sound = start.copy(), True
-        residual = self._residual(place)
+        residual, levels = self._residual(place)
         chi2, damping = float(residual @ residual), 1e-3
         normal = np.eye(free)
         for _ in range(TURNS):
             slope = np.column_stack(
                 [
-                    (self._residual(place + step * np.eye(3)[index]) - residual) / step
+                    (self._residual(place + step * np.eye(3)[index])[0] - residual) / step
                     for index, step in enumerate(STEPS[:free])
                 ]
             )
@@ -175,9 +179,9 @@ class _Fit:
             tried = place.copy()
             tried[:free] += step
             tried[2] = max(tried[2], 0.0)
-            left = self._residual(tried)
+            left, new = self._residual(tried)
             if float(left @ left) < chi2:
-                place, residual, chi2 = tried, left, float(left @ left)
+                place, residual, levels, chi2 = tried, left, new, float(left @ left)
                 damping = max(0.1 * damping, 1e-9)
                 if np.abs(step).max() < SETTLED_PX:
                     break
@@ -189,9 +193,10 @@ class _Fit:
         balanced = normal / np.outer(scale, scale)
         sound = bool(np.linalg.cond(balanced) < 1e8)
         inverse = np.linalg.inv(balanced) / np.outer(scale, scale) if sound else np.eye(free)
-        return _Fitted(place, chi2, inverse, sound)
+        return _Fitted(place, chi2, inverse, sound, float(levels[0]), float(levels[2]))
 
-    def _residual(self, place: Floats) -> Floats:
+    def _residual(self, place: Floats) -> tuple[Floats, Floats]:
+        """Return what is left of the levels, over their sigmas, and the levels that fit."""
         own = self._pixels
         depth = own.inside_px + place[0] + place[1] * own.along
         board = edge_signal(depth, own.normal[0], own.normal[1], STRAIGHT_PX, self._blur_px).value
@@ -207,5 +212,5 @@ class _Fit:
         told = own.level / self._sigma
         gram = weighted.T @ weighted
         gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram)
-        levels = np.linalg.solve(gram, weighted.T @ told)
-        return np.asarray(told - weighted @ levels)
+        levels: Floats = np.linalg.solve(gram, weighted.T @ told).astype(np.float64)
+        return np.asarray(told - weighted @ levels), levels

@@ -34,6 +34,7 @@ from pipelines.pnp.told_errors import place_covariance_px2, with_common_errors
 SETTLED_PX, SETTLED_SIZE = 0.5, 0.02  # a rim fitted nearer to its pose than this need not be anew
 MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
 CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its radii
+CIRCLE_RADIUS_PX = 0.5  # 1-sigma of a circle's radius, at half the resolution
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY, NORMAL_KEY = "markers.radius_m", "markers.normal_in_target_deg"
 TRIALS, REFITS = 3, 2
@@ -194,9 +195,10 @@ class BestLook:
         centres[has_one] = circles.centres[chosen[has_one]]
         sizes[has_one] = circles.radii[chosen[has_one]] / outlines.radii_px[has_one]
         # Rough shapes do for rough centres: the size is left nearly free.
+        seen = CIRCLE_RADIUS_PX / float(np.nanmin(outlines.radii_px))
         return fit_dots(
             raw, self._camera, self._detector, self._markers, predicted.pose, centres,
-            self._blur_px, KnownDisc(_size_sigma(predicted), ROUGH_SHAPE), sizes,
+            self._blur_px, KnownDisc(max(_size_sigma(predicted), seen), ROUGH_SHAPE), sizes,
         )  # fmt: skip
 
     def _posed(

@@ -8,6 +8,7 @@ is the shadow's border, so the strip between is looked for, too (``detection.edg
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -60,6 +61,29 @@ class BoardEdges:
 
     def __len__(self) -> int:
         return len(self.edge)
+
+    def but_for(self, wide: BoardEdges) -> BoardEdges:
+        """Return these, and from a wider band those edges along which it shows a shadow.
+
+        Parameters
+        ----------
+        wide : BoardEdges
+            As seen from the same pose.
+        """
+        own, other = ~wide.shadowed[self.edge], wide.shadowed[wide.edge]
+
+        def joined(name: str) -> Any:
+            return np.concatenate([getattr(self, name)[own], getattr(wide, name)[other]])
+
+        return BoardEdges(
+            joined("points_in_target"),
+            joined("normals_px"),
+            joined("edge"),
+            joined("offset_px"),
+            joined("variance_px2"),
+            joined("lever_px_m"),
+            self.shadowed | wide.shadowed,
+        )
 
 
 def find_board_edges(

@@ -28,7 +28,8 @@ TUKEY = 4.685
 LEAST_SECTIONS = 8
 SINGULAR = 1e-12
 STEPS = 4
-BLIND_PX, FREE_PX = 0.25, 1e3  # 1-sigma of an edge's place beyond its survey: believed, and not
+BLIND_PX, PENUMBRA_M = 0.25, 4e-4  # 1-sigma of an edge's place beyond its survey
+FREE_PX = 1e3  # the same of an edge that is not believed
 MOST_FREED = 2
 CONTRADICTED_CHI2 = 12.0  # by which freeing an edge betters the fit
 RIVAL_CHI2 = 9.0  # by which the freed edge must better it more than any other would
@@ -109,7 +110,8 @@ class _Problem:
         for number in np.unique(self.edges.edge):
             part = np.flatnonzero(self.edges.edge == number)
             blind = FREE_PX if int(number) in freed else BLIND_PX
-            common = np.hypot(self.edge_sigma_m * self.edges.lever_px_m[part], blind)
+            known_m = float(np.hypot(self.edge_sigma_m, PENUMBRA_M))
+            common = np.hypot(known_m * self.edges.lever_px_m[part], blind)
             pulled = robust[part] * common
             block = np.outer(pulled, pulled) / (1.0 + float(pulled @ common))
             information[np.ix_(part, part)] -= block
@@ -167,7 +169,7 @@ def pose_from_outline(
     pose = _drawn_to_dots(camera, markers, match, start, information)
     problem = None
     for width in BANDS_PX:
-        edges = find_board_edges(raw, camera, detector, board, pose, width, blur_px)
+        edges = _edges_within(raw, camera, detector, board, pose, width, blur_px)
         if len(edges) < LEAST_SECTIONS:
             return "and too little of the board's outline shows"
         problem = _Problem(camera, markers, match, pose, edges, edge_sigma_m)
@@ -177,6 +179,22 @@ def pose_from_outline(
         pose = solved.pose
     assert problem is not None
     return _summary(problem)
+
+
+def _edges_within(
+    raw: Image,
+    camera: Camera,
+    detector: Detector,
+    board: Wireframe,
+    pose: RigidTransform,
+    width: float,
+    blur_px: float,
+) -> BoardEdges:
+    """Look for edges within a band; where a shadow lies along one, in the widest."""
+    wide = find_board_edges(raw, camera, detector, board, pose, BANDS_PX[0], blur_px)
+    if width >= BANDS_PX[0]:
+        return wide
+    return find_board_edges(raw, camera, detector, board, pose, width, blur_px).but_for(wide)
 
 
 def _unobservable(match: Match, edges: BoardEdges) -> str:
