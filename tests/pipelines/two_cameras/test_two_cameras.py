@@ -102,7 +102,8 @@ def test_both_poses_are_as_sure_as_they_say_whoever_speaks(speaks: str) -> None:
 
 def test_two_cameras_are_surer_than_either() -> None:
     fusing, hand, chaser, read = drawn_frames(0)[0]
-    alone = [fusing.process(frame(pair[0], pair[1], read)) for pair in ((hand, None), (None, chaser))]
+    pairs = ((hand, None), (None, chaser))
+    alone = [fusing.process(frame(pair[0], pair[1], read)) for pair in pairs]
     both = fusing.process(frame(hand, chaser, read))
     assert both.pose is not None
     for each in alone:
