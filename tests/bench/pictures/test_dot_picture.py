@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.pictures.dot_picture import draw
 from bench.pictures.frame_record import FrameRecord
 from bench.pictures.marker_overlay import DETECTION_RED
-from numpy.typing import NDArray
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import IMAGE, Frame, ImageReading
 from models.onboard import OnboardKnowledge
