@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -34,10 +35,11 @@ from pipelines.pnp.told_errors import place_covariance_px2, with_common_errors
 SETTLED_PX, SETTLED_SIZE = 0.5, 0.02  # a rim fitted nearer to its pose than this need not be anew
 MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
 CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its radii
+SCALE = 1.8  # of radii that are looked for at once
 CIRCLE_RADIUS_PX = 0.5  # 1-sigma of a circle's radius, at half the resolution
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY, NORMAL_KEY = "markers.radius_m", "markers.normal_in_target_deg"
-TRIALS, REFITS = 3, 2
+REFITS = 2
 ROUGH_SIZE, ROUGH_SHAPE, OUTSIDE_PX = 0.03, 0.01, -1e6
 CAPTURE_SIGMAS, CAPTURE_SHARE = 3.0, 0.25  # of a prediction, and in radii
 
@@ -102,19 +104,19 @@ class BestLook:
             self._camera,
             self._markers,
             predicted,
-            dots.outlines.area_centres_px,
-            circles.centres,
+            dots.outlines,
+            circles,
             CIRCLE_PX + CIRCLE_SHARE * dots.radius_px,
             self._options.region_sigmas * self._growth(predicted),
         )
         reason, fitted = "", None
-        for chosen in ranked[:TRIALS]:
+        for chosen in ranked:
             rough = self._fitted(raw, circles, chosen, predicted)
             outcome, last = self._posed(raw, rough, predicted)
-            fitted = fitted if fitted is not None else last
             if not isinstance(outcome, str):
                 return self._said(circles, outcome)
-            reason = reason or outcome
+            if fitted is None or len(last.match) > len(fitted.match):
+                reason, fitted = outcome, last
         assert fitted is not None  # one assignment is that no dot has a circle
         return self._by_outline(raw, circles, fitted, predicted, reason)
 
@@ -174,14 +176,18 @@ class BestLook:
         grey = quad_grey(raw[region.part], self._detector)
         full_dn = saturation_level_dn(self._detector) - self._detector.bias_dn
         level = np.clip(grey / np.float32(full_dn), 0.0, 1.0)
-        radius = 0.5 * dots.radius_px
-        window = ceil_odd(radius * self._options.s_cu), ceil_odd(radius * self._options.s_cv)
-        threshold = adaptive_threshold(level, window, self._options.tau_s)
         faint = 6.0 * self._detector.read_noise_e / self._detector.gain_e_dn / full_dn
-        foreground = above_threshold(level, np.maximum(threshold, np.float32(faint)))
-        low, high = dots.radii_px
         expected = 0.5 * (dots.outlines.area_centres_px - region.origin_px - 0.5)
-        found = find_dots(level, foreground, (0.5 * low, 0.5 * high), expected, 0.5 * float(slack))
+        found = DotCandidates.none()
+        for low, middle, high in _scales(dots):
+            window = (
+                ceil_odd(0.5 * middle * self._options.s_cu),
+                ceil_odd(0.5 * middle * self._options.s_cv),
+            )
+            threshold = adaptive_threshold(level, window, self._options.tau_s)
+            foreground = above_threshold(level, np.maximum(threshold, np.float32(faint)))
+            sizes, reach = (0.5 * low, 0.5 * high), 0.5 * float(slack)
+            found = found.joined(find_dots(level, foreground, sizes, expected, reach))
         centres = 2.0 * found.centres + 0.5 + region.origin_px
         return DotCandidates(centres, 2.0 * found.radii, found.arcs)
 
@@ -373,6 +379,16 @@ class BestLook:
     @staticmethod
     def _growth(predicted: PredictedPose) -> float:
         return min(1.0 + GROWTH * predicted.lost_frames, MOST_GROWTH)
+
+
+def _scales(dots: PredictedMarkers) -> list[tuple[float, float, float]]:
+    """Return least, middle and largest radii, px; one alone where the distance is well known."""
+    low, high = dots.radii_px
+    count = int(np.ceil(np.log(high / low) / np.log(SCALE)))
+    if count <= 1:
+        return [(low, dots.radius_px, high)]
+    ends = low * (high / low) ** (np.arange(count + 1) / count)
+    return [(a, float(np.sqrt(a * b)), b) for a, b in pairwise(ends.tolist())]
 
 
 def _largest_sigma_px(dots: PredictedMarkers) -> float:
