@@ -115,7 +115,7 @@ def sun_figure(suns: Many[MappedSun]) -> str:
     """Draw Figure 22: where each Sun stands in the orbital frame, and what came of it.
 
     A heavy rim: truth has less than 90 % of some dot lit and seen. Beneath, where frames are lost
-    or the outline helped: poses of how many frames.
+    or the outline helped: poses of how many frames, and in brackets those by the outline.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def sun_figure(suns: Many[MappedSun]) -> str:
                     mec=INK, mew=1.8 if told.few else 0.5,
                 )  # fmt: skip
                 if told.poses < told.frames or told.outline_of_few:
-                    outline = f", {told.outline_of_few} by outline" if told.outline_of_few else ""
+                    outline = f" ({told.outline_of_few})" if told.outline_of_few else ""
                     panel.annotate(
                         f"{told.poses}/{told.frames}{outline}", (azimuth_deg, elevation_deg),
                         xytext=(0, -13), textcoords="offset points", ha="center", fontsize=6.0,
@@ -145,6 +145,7 @@ def sun_figure(suns: Many[MappedSun]) -> str:
                 )  # fmt: skip
             panel.set_title(TITLES[variant])
             panel.set_xlabel("azimuth in the orbital plane, deg")
+            panel.margins(0.08, 0.12)
             panel.invert_xaxis()
         axes[0].set_ylabel("elevation, deg")
         legend = {
@@ -161,7 +162,7 @@ def sun_figure(suns: Many[MappedSun]) -> str:
         handles.append(
             Line2D(
                 [], [], ls="none", marker="o", color="none", mec=INK, mew=1.8,
-                label="heavy rim: some dot in shadow; beneath: poses of how many frames",
+                label="some dot in shadow",
             )
         )  # fmt: skip
         figure.legend(handles=handles, loc="outside lower center", ncols=4)

@@ -206,7 +206,14 @@ def _map(results: Results) -> list[Section]:
             "others the published pipeline has no pose to find, and best one where the board's "
             "outline makes it observable. Wrong: beyond 5 cm or 5 deg, and beyond what its "
             "covariance allows.",
-            figures=(Figure(svg_address(figures.sun_figure(results.suns)), "Figure 22"),),
+            figures=(
+                Figure(
+                    svg_address(figures.sun_figure(results.suns)),
+                    "Figure 22",
+                    "Beneath a Sun, where frames are lost or the outline helped: poses of how many "
+                    "frames, and in brackets those by the outline.",
+                ),
+            ),
             tables=(
                 TitledTable("What holds", tables.sun_rule_table(results.suns), wide=True),
                 TitledTable("Each Sun", tables.sun_table(results.suns), wide=True, folded=True),
