@@ -22,7 +22,7 @@ from pipelines.detection.marker_search import PredictedMarkers, predict_markers
 from pipelines.detection.region_of_interest import region_of_interest
 from pipelines.eye_in_hand.board_outline import pose_from_outline
 from pipelines.eye_in_hand.dot_identification import rank_matches
-from pipelines.eye_in_hand.dot_refinement import FittedDots, fit_dots
+from pipelines.eye_in_hand.dot_refinement import NO_CIRCLE_PX, FittedDots, fit_dots
 from pipelines.eye_in_hand.options import EyeInHandOptions
 from pipelines.eye_in_hand.sighting import Sighting, blind
 from pipelines.pnp.flight_knowledge import FlightKnowledge
@@ -40,7 +40,7 @@ CIRCLE_RADIUS_PX = 0.5  # 1-sigma of a circle's radius, at half the resolution
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY, NORMAL_KEY = "markers.radius_m", "markers.normal_in_target_deg"
 REFITS = 2
-ROUGH_SIZE, ROUGH_SHAPE, OUTSIDE_PX = 0.03, 0.01, -1e6
+ROUGH_SIZE, ROUGH_SHAPE = 0.03, 0.01
 CAPTURE_SIGMAS, CAPTURE_SHARE = 3.0, 0.25  # of a prediction, and in radii
 
 
@@ -115,8 +115,9 @@ class BestLook:
             outcome, last = self._posed(raw, rough, predicted)
             if not isinstance(outcome, str):
                 return self._said(circles, outcome)
+            reason = reason or outcome
             if fitted is None or len(last.match) > len(fitted.match):
-                reason, fitted = outcome, last
+                fitted = last
         assert fitted is not None  # one assignment is that no dot has a circle
         return self._by_outline(raw, circles, fitted, predicted, reason)
 
@@ -196,7 +197,7 @@ class BestLook:
     ) -> FittedDots:
         """Fit the rims of the circles that were chosen."""
         outlines = disc_outlines(self._camera, predicted.pose, self._markers)
-        centres, sizes = np.full((len(chosen), 2), OUTSIDE_PX), np.ones(len(chosen))
+        centres, sizes = np.full((len(chosen), 2), NO_CIRCLE_PX), np.ones(len(chosen))
         has_one = chosen >= 0
         centres[has_one] = circles.centres[chosen[has_one]]
         sizes[has_one] = circles.radii[chosen[has_one]] / outlines.radii_px[has_one]
