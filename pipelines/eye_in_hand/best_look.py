@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -12,15 +11,12 @@ from models.arrays import Floats, Image, Indices
 from models.estimate import NO_STATES, Detections, NamedState, PoseEstimate
 from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
-from pipelines.detection.adaptive_threshold import above_threshold, adaptive_threshold, ceil_odd
-from pipelines.detection.bayer_grey import quad_grey
 from pipelines.detection.disc_outline import disc_outlines
-from pipelines.detection.dot_candidates import DotCandidates, find_dots
-from pipelines.detection.image_difference import Region, saturation_level_dn
+from pipelines.detection.dot_candidates import DotCandidates
 from pipelines.detection.lit_disc import KnownDisc
 from pipelines.detection.marker_search import PredictedMarkers, predict_markers
-from pipelines.detection.region_of_interest import region_of_interest
 from pipelines.eye_in_hand.board_outline import pose_from_outline
+from pipelines.eye_in_hand.circle_search import circles_near
 from pipelines.eye_in_hand.dot_identification import rank_matches
 from pipelines.eye_in_hand.dot_refinement import NO_CIRCLE_PX, FittedDots, fit_dots
 from pipelines.eye_in_hand.options import EyeInHandOptions
@@ -35,7 +31,6 @@ from pipelines.pnp.told_errors import place_covariance_px2, with_common_errors
 SETTLED_PX, SETTLED_SIZE = 0.5, 0.02  # a rim fitted nearer to its pose than this need not be anew
 MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
 CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its radii
-SCALE = 1.8  # of radii that are looked for at once
 CIRCLE_RADIUS_PX = 0.5  # 1-sigma of a circle's radius, at half the resolution
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY, NORMAL_KEY = "markers.radius_m", "markers.normal_in_target_deg"
@@ -162,35 +157,8 @@ class BestLook:
     def _circles(
         self, raw: Image, dots: PredictedMarkers, predicted: PredictedPose
     ) -> DotCandidates:
-        """Look for circles in the region of interest, at half the resolution."""
-        sigma = _largest_sigma_px(dots)
-        slack = self._growth(predicted) * self._options.region_sigmas * sigma
-        region = region_of_interest(
-            self._camera,
-            dots.outlines.area_centres_px,
-            (0.0, 0.0),
-            float(slack + 3.0 * dots.radii_px[1]),
-        )
-        if region is None:
-            return DotCandidates.none()
-        region = Region(region.top & ~1, region.bottom, region.left & ~1, region.right)
-        grey = quad_grey(raw[region.part], self._detector)
-        full_dn = saturation_level_dn(self._detector) - self._detector.bias_dn
-        level = np.clip(grey / np.float32(full_dn), 0.0, 1.0)
-        faint = 6.0 * self._detector.read_noise_e / self._detector.gain_e_dn / full_dn
-        expected = 0.5 * (dots.outlines.area_centres_px - region.origin_px - 0.5)
-        found = DotCandidates.none()
-        for low, middle, high in _scales(dots):
-            window = (
-                ceil_odd(0.5 * middle * self._options.s_cu),
-                ceil_odd(0.5 * middle * self._options.s_cv),
-            )
-            threshold = adaptive_threshold(level, window, self._options.tau_s)
-            foreground = above_threshold(level, np.maximum(threshold, np.float32(faint)))
-            sizes, reach = (0.5 * low, 0.5 * high), 0.5 * float(slack)
-            found = found.joined(find_dots(level, foreground, sizes, expected, reach))
-        centres = 2.0 * found.centres + 0.5 + region.origin_px
-        return DotCandidates(centres, 2.0 * found.radii, found.arcs)
+        slack = self._growth(predicted) * self._options.region_sigmas * _largest_sigma_px(dots)
+        return circles_near(raw, self._camera, self._detector, dots, slack, self._options)
 
     def _fitted(
         self, raw: Image, circles: DotCandidates, chosen: Indices, predicted: PredictedPose
@@ -380,16 +348,6 @@ class BestLook:
     @staticmethod
     def _growth(predicted: PredictedPose) -> float:
         return min(1.0 + GROWTH * predicted.lost_frames, MOST_GROWTH)
-
-
-def _scales(dots: PredictedMarkers) -> list[tuple[float, float, float]]:
-    """Return least, middle and largest radii, px; one alone where the distance is well known."""
-    low, high = dots.radii_px
-    count = int(np.ceil(np.log(high / low) / np.log(SCALE)))
-    if count <= 1:
-        return [(low, dots.radius_px, high)]
-    ends = low * (high / low) ** (np.arange(count + 1) / count)
-    return [(a, float(np.sqrt(a * b)), b) for a, b in pairwise(ends.tolist())]
 
 
 def _largest_sigma_px(dots: PredictedMarkers) -> float:

@@ -161,27 +161,31 @@ class _Chain:
             self.joints_deg - errors[:count]
         )
 
-    def chaser(self, hand: RigidTransform, errors: Floats) -> RigidTransform:
+    def chaser(self, hand_from_target: RigidTransform, errors: Floats) -> RigidTransform:
         """Return the chaser-fixed camera's pose, in its own target frame."""
-        hand_from_target = hand @ self.chaser_target_from_hand_target.inverse()
-        return self.hand_from_chaser(errors).inverse() @ hand_from_target
+        hand_from_other = hand_from_target @ self.chaser_target_from_hand_target.inverse()
+        return self.hand_from_chaser(errors).inverse() @ hand_from_other
 
-    def hand(self, chaser: RigidTransform) -> RigidTransform:
+    def hand(self, chaser_from_target: RigidTransform) -> RigidTransform:
         """Return the hand camera's pose, the arm being as told."""
         errors = np.zeros(len(self.joints_deg) + 6)
-        return self.hand_from_chaser(errors) @ chaser @ self.chaser_target_from_hand_target
+        return (
+            self.hand_from_chaser(errors) @ chaser_from_target @ self.chaser_target_from_hand_target
+        )
 
-    def jacobian(self, hand: RigidTransform, errors: Floats) -> Floats:
+    def jacobian(self, hand_from_target: RigidTransform, errors: Floats) -> Floats:
         """Return how the chaser-fixed camera's pose follows the state, (6, 6 + n)."""
         columns = []
         for number in range(POSE + len(errors)):
-            ahead, behind = (self._moved(hand, errors, number, sign * STEP) for sign in (1.0, -1.0))
+            ahead, behind = (
+                self._moved(hand_from_target, errors, number, sign * STEP) for sign in (1.0, -1.0)
+            )
             columns.append(difference(ahead, behind) / (2.0 * STEP))
         return np.stack(columns, axis=1)
 
     def _moved(
-        self, hand: RigidTransform, errors: Floats, number: int, step: float
+        self, hand_from_target: RigidTransform, errors: Floats, number: int, step: float
     ) -> RigidTransform:
         away = np.zeros(POSE + len(errors))
         away[number] = step
-        return self.chaser(hand.perturbed(away[:3], away[3:POSE]), errors + away[POSE:])
+        return self.chaser(hand_from_target.perturbed(away[:3], away[3:POSE]), errors + away[POSE:])
