@@ -15,7 +15,9 @@ from pipelines.tracking.model_edges import EdgeSamples, ModelEdges
 from tests.support.drawn_targets import target
 
 CAMERA = Camera.from_fov(256, 256, 40.0)
-NONE = EdgeSamples(np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, int), np.zeros(0, bool))
+NONE = EdgeSamples(
+    np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, int), np.zeros(0, bool)
+)
 
 
 @pytest.mark.parametrize("direction", [[0, 0, 1.0], [0.6, 0, -0.8], [-0.48, 0.6, 0.64]])
@@ -42,7 +44,9 @@ def test_an_edge_is_drawn_in_the_two_directions_next_to_its_own(angle_deg: float
     cells, angles = np.array([[[10.2, 20.4]]]), np.deg2rad([[angle_deg]])
     pictures = view_sphere.edge_pictures(cells, angles)[0].reshape(4, CELLS, CELLS)
     mass = (pictures.astype(float) ** 2).sum(axis=(1, 2))
-    away = np.abs((np.deg2rad(angle_deg) - np.arange(4) * np.pi / 4 + np.pi / 2) % np.pi - np.pi / 2)
+    away = np.abs(
+        (np.deg2rad(angle_deg) - np.arange(4) * np.pi / 4 + np.pi / 2) % np.pi - np.pi / 2
+    )
     expected = np.maximum(1.0 - away / (np.pi / 4), 0.0)
     np.testing.assert_allclose(mass / mass.sum(), expected, atol=1e-6)
     assert np.linalg.norm(pictures) == pytest.approx(1.0, rel=1e-5)
@@ -76,7 +80,9 @@ def test_a_view_laid_into_the_image_is_there_as_large_and_as_turned(roll_deg: fl
     np.testing.assert_allclose(CAMERA.normalise(found[None])[0], wanted, atol=0.006)
     assert extent / CAMERA.fx == pytest.approx(size, rel=0.06)
     assert np.linalg.norm(pose.translation) == pytest.approx(12.0 / 0.7)
-    middle = view_sphere.pose_from_view(View(seen_from, np.zeros(2), 0.1, NONE), np.deg2rad(roll_deg), np.zeros(2), 0.1)
+    middle = view_sphere.pose_from_view(
+        View(seen_from, np.zeros(2), 0.1, NONE), np.deg2rad(roll_deg), np.zeros(2), 0.1
+    )
     roll = Rotation.from_euler("z", roll_deg, degrees=True).as_matrix()
     np.testing.assert_allclose(middle.rotation, roll @ seen_from.rotation, atol=1e-12)
 
@@ -104,7 +110,9 @@ def test_likeness_is_greatest_at_the_view_and_roll_that_an_image_shows() -> None
 
 def test_the_best_are_apart_and_each_is_laid_by_its_own_setting() -> None:
     """Of rolls 4 deg apart one is taken; setting, roll and view are those of the score."""
-    poses = [view_sphere.look_from(np.array(d), 10.0) for d in ([0, 0, 1.0], [1.0, 0, 0], [0, 1.0, 0])]
+    poses = [
+        view_sphere.look_from(np.array(d), 10.0) for d in ([0, 0, 1.0], [1.0, 0, 0], [0, 1.0, 0])
+    ]
     views = tuple(View(pose, np.zeros(2), 0.1, NONE) for pose in poses)
     sphere = ViewSphere(10.0, views, np.zeros((3, 1)), np.zeros((3, 1)))
     rolls = np.deg2rad([0.0, 4.0, 90.0])
@@ -119,7 +127,10 @@ def test_the_best_are_apart_and_each_is_laid_by_its_own_setting() -> None:
     for hypothesis, setting, roll in ((found[0], 0, 2), (found[1], 1, 0)):
         size, centre = settings[setting]
         expected = view_sphere.pose_from_view(
-            views[hypothesis.view], float(rolls[roll]), CAMERA.normalise(centre[None])[0], size / focal
+            views[hypothesis.view],
+            float(rolls[roll]),
+            CAMERA.normalise(centre[None])[0],
+            size / focal,
         )
         np.testing.assert_allclose(hypothesis.cam_from_target.matrix(), expected.matrix())
     rotations = np.array([each.cam_from_target.rotation for each in found])
@@ -159,12 +170,19 @@ def test_rough_poses_come_to_the_truth_and_their_likelihood_is_that_of_their_mat
     """Each match gains log(A / 2 pi sigma^2) - d^2 / 2 sigma^2 over points strewn over a box A."""
     rng = np.random.default_rng(3)
     known = rng.uniform(-3.0, 3.0, (10, 3))
-    truth = RigidTransform(Rotation.from_rotvec([0.3, 2.8, -0.2]).as_matrix(), np.array([0.3, -0.2, 25.0]))
+    truth = RigidTransform(
+        Rotation.from_rotvec([0.3, 2.8, -0.2]).as_matrix(), np.array([0.3, -0.2, 25.0])
+    )
     sigma = 1e-4
     in_cam = truth @ known
     exact = in_cam[:, :2] / in_cam[:, 2:]
-    points = np.concatenate([exact[:8] + sigma * rng.standard_normal((8, 2)), [[0.11, 0.1], [-0.1, 0.09]]])
-    starts = [truth.perturbed(2e-3 * rng.standard_normal(3), 0.02 * rng.standard_normal(3)) for _ in range(5)]
+    points = np.concatenate(
+        [exact[:8] + sigma * rng.standard_normal((8, 2)), [[0.11, 0.1], [-0.1, 0.09]]]
+    )
+    starts = [
+        truth.perturbed(2e-3 * rng.standard_normal(3), 0.02 * rng.standard_normal(3))
+        for _ in range(5)
+    ]
     behind = RigidTransform(truth.rotation, -truth.translation)
     rotations = np.array([start.rotation for start in [*starts, behind]])
     translations = np.array([start.translation for start in [*starts, behind]])

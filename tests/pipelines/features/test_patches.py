@@ -114,7 +114,9 @@ def test_what_was_followed_comes_back_and_tells_its_steps_sigma() -> None:
     back, _ = klt_step._step(noisy, image, rough.points_px, places)
     apart = ((back - places) ** 2).sum(axis=1)[rough.kept]
     # The median of chi-square of two degrees is 2 ln 2; there and back are two steps.
-    assert rough.step_sigma_px == pytest.approx(np.sqrt(np.median(apart) / (2.0 * np.log(2.0)) / 2.0), rel=1e-3)
+    assert rough.step_sigma_px == pytest.approx(
+        np.sqrt(np.median(apart) / (2.0 * np.log(2.0)) / 2.0), rel=1e-3
+    )
     assert (apart < 0.25).all()
     unlike = klt_step.follow(image, texture(8), places, places)
     assert unlike.kept.mean() < 0.5

@@ -142,11 +142,16 @@ def test_the_catalogue_on_board_is_the_skys_bright_pairs_and_knows_who_is_crowde
         assert board.crowded[row] == spoils.any()
     bright = np.flatnonzero((board.magnitude <= 3.2) & ~board.crowded)
     apart = np.linalg.norm(board.directions[bright][:, None] - board.directions[bright], axis=2)
-    widest, narrowest = (2.0 * np.sin(0.5 * np.deg2rad(each)) for each in (options.widest_deg, options.narrowest_deg))
+    widest, narrowest = (
+        2.0 * np.sin(0.5 * np.deg2rad(each)) for each in (options.widest_deg, options.narrowest_deg)
+    )
     upper = apart[np.triu_indices(len(bright), 1)]
-    np.testing.assert_allclose(board.chord, np.sort(upper[(upper >= narrowest) & (upper <= widest)]))
     np.testing.assert_allclose(
-        np.linalg.norm(board.directions[board.first] - board.directions[board.second], axis=1), board.chord
+        board.chord, np.sort(upper[(upper >= narrowest) & (upper <= widest)])
+    )
+    np.testing.assert_allclose(
+        np.linalg.norm(board.directions[board.first] - board.directions[board.second], axis=1),
+        board.chord,
     )
     one, other = board.pairs(0.2, 1e-3)
     assert {(a, b) for a, b in zip(one.tolist(), other.tolist(), strict=True)} == {
