@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import trimesh
@@ -118,8 +120,9 @@ def test_a_cloud_is_scored_by_its_distances_and_by_what_it_covers() -> None:
 
 
 @pytest.mark.parametrize(("ranges", "edges"), [
-    ([1.82, 6.71], (1.5, 7.0, 0.5)), ([1.82, 1.85], (1.8, 1.9, 0.1)), ([0.0, 1.15], (0.0, 1.2, 0.1)),
-    ([0.0, 1.2], (0.0, 1.4, 0.2)), ([0.3, 0.3], (0.3, 0.4, 0.1)), ([30.0, 120.0], (30.0, 130.0, 10.0)),
+    ([1.82, 6.71], (1.5, 7.0, 0.5)), ([1.82, 1.85], (1.8, 1.9, 0.1)),
+    ([0.0, 1.15], (0.0, 1.2, 0.1)), ([0.0, 1.2], (0.0, 1.4, 0.2)),
+    ([0.3, 0.3], (0.3, 0.4, 0.1)), ([30.0, 120.0], (30.0, 130.0, 10.0)),
 ])  # fmt: skip
 def test_ranges_are_binned_roundly_into_at_most_twelve(ranges, edges) -> None:
     first, last, step = edges
@@ -127,7 +130,7 @@ def test_ranges_are_binned_roundly_into_at_most_twelve(ranges, edges) -> None:
     assert bins[0][0] == pytest.approx(first)
     assert bins[-1][1] == pytest.approx(last)
     assert len(bins) == round((last - first) / step) <= 12
-    assert all(high == low for (_, high), (low, _) in zip(bins[:-1], bins[1:], strict=True))
+    assert all(high == low for (_, high), (low, _) in pairwise(bins))
     held = [low <= each < high for each in ranges for low, high in bins]
     assert sum(held) == len(ranges)
     assert range_bins(np.zeros(0)) == []

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from models.gravity import disturbances as tested
+from models.gravity.field import MU_M3_S2
+from models.sky.moon_ephemeris import MOON_MU_M3_S2
 from models.sky.sun_ephemeris import ASTRONOMICAL_UNIT_M
 
 SUN = ASTRONOMICAL_UNIT_M * np.array([0.36, 0.48, 0.8])
@@ -20,9 +22,8 @@ def test_constants_are_those_of_the_iau_and_of_wgs_84() -> None:
     assert pytest.approx(solar_constant / light_m_s, rel=2e-3) == tested.SOLAR_PRESSURE_N_M2
     polar_m = 6_356_752.3142
     assert pytest.approx(6_378_137.0, abs=1e-6) == tested.EARTH_RADIUS_M
-    assert tested.EARTH_RADIUS_M * (1.0 - tested.EARTH_FLATTENING) == pytest.approx(
-        polar_m, abs=1e-3
-    )
+    found_m = tested.EARTH_RADIUS_M * (1.0 - tested.EARTH_FLATTENING)
+    assert found_m == pytest.approx(polar_m, abs=1e-3)
 
 
 @pytest.mark.parametrize("mu_m3_s2", [1.0e20])
@@ -129,3 +130,8 @@ def test_density_between_rows_is_exponential() -> None:
         )
         assert middle == pytest.approx(np.sqrt(low * high), rel=1e-9)
         assert low / high == pytest.approx(1.3, abs=0.07)
+
+
+def test_the_moon_has_an_eightieth_of_the_earths_mass() -> None:
+    """Mass ratio of DE430: 81.30057."""
+    assert pytest.approx(81.30057, rel=1e-5) == MU_M3_S2 / MOON_MU_M3_S2

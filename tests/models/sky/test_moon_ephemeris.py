@@ -86,7 +86,7 @@ def test_its_longitude_has_the_waves_of_elp(seen) -> None:
 
 
 def test_its_latitude_has_the_waves_of_elp(seen) -> None:
-    """Its form is another (a sine of a disturbed angle), and it leaves waves of 6 arc seconds out."""
+    """Its form is another, a sine of a disturbed angle, and leaves waves of 6 arc seconds out."""
     fitted, left = amplitudes(seen[1], np.sin(angles(centuries()) @ np.array(list(LATITUDE)).T))
     np.testing.assert_allclose(fitted[1:] / 3600e-6, [*LATITUDE.values()], rtol=0.002, atol=1600)
     assert abs(fitted[0]) < 1.0

@@ -40,7 +40,7 @@ def test_every_part_measures_what_its_drawing_says(craft: str) -> None:
 
 
 def test_the_measure_is_that_of_a_box_by_hand() -> None:
-    """A box of 2, 4, 6 m about (1, 0, 0): 88 m2, 48 m3, and gyration by its three pairs of faces."""
+    """A box of 2, 4, 6 m about (1, 0, 0): 88 m2, 48 m3, gyration by its three pairs of faces."""
     box = trimesh.creation.box(extents=(2.0, 4.0, 6.0))
     box.apply_translation([1.0, 0.0, 0.0])
     size = dict(zip(SIZES, measured(np.asarray(box.triangles)), strict=True))

@@ -142,7 +142,7 @@ def test_the_best_are_apart_and_each_is_laid_by_its_own_setting() -> None:
 
 
 def test_sizes_and_places_are_varied_evenly_about_what_is_lit() -> None:
-    """Both ways round the centroid, to its corners; in the dark to its sides as well, and larger."""
+    """Both ways round the centroid, to its corners; in the dark to its sides too, and larger."""
     for spread, shifts in ((MOSTLY_LIT, 5), (PARTLY_LIT, 9)):
         assert isinstance(spread, Spread)
         moved = np.array(spread.shifts)

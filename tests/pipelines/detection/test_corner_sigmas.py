@@ -1,4 +1,4 @@
-"""What a corner's sigma rests on: its structure tensor and the noise, written out pixel by pixel."""
+"""What a corner's sigma rests on: its structure tensor and the noise, pixel by pixel."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DETECTOR = Detector()
 
 
 def painted(low: tuple[int, int], high: tuple[int, int], size=(140, 170), dn=1500.0) -> Image:
-    """A lit rectangle with soft edges on black, (height, width), between (x, y) corners."""
+    """Paint a lit rectangle on black, (height, width), between (x, y) corners."""
     image = np.full(size, DETECTOR.bias_dn)
     image[low[1] : high[1], low[0] : high[0]] += dn
     noise = 2.0 * np.random.default_rng(1).standard_normal(size)

@@ -176,7 +176,9 @@ def test_a_drawn_disc_comes_back_with_all_that_shaped_it() -> None:
     far = replace(own, x=own.x + 2.0, difference=model)
     shifted = disc_fit.fit_appearance(far, DISC, DETECTOR, BLUR)
     assert shifted is not None
-    np.testing.assert_allclose(shifted.parameters.centre_px, TRUE.centre_px + [2.0, 0.0], atol=0.01)
+    np.testing.assert_allclose(
+        shifted.parameters.centre_px, TRUE.centre_px + np.array([2.0, 0.0]), atol=0.01
+    )
 
 
 def test_the_start_is_the_medians_of_disc_and_surround() -> None:

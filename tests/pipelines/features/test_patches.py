@@ -12,6 +12,7 @@ from pipelines.features import anchored_patch, appearance, fine_detail, klt_step
 from pipelines.features.anchored_patch import GRID, HALF_PX, Anchors, fitted
 
 PLACES = np.array([[60.0, 50.0], [90.3, 72.6], [45.5, 88.2]])
+MOVED_PX = np.array([2.4, -1.3])
 SLIP_PX = 0.03  # of eight bits interpolated
 
 
@@ -103,14 +104,14 @@ def test_no_patches_give_none_and_other_places_are_unlike() -> None:
 
 def test_what_was_followed_comes_back_and_tells_its_steps_sigma() -> None:
     image = texture(blur=1.5)
-    moved = warped(image, np.eye(2), np.zeros(2), np.array([2.4, -1.3]))
+    moved = warped(image, np.eye(2), np.zeros(2), MOVED_PX)
     followed = klt_step.follow(image, moved, PLACES, PLACES)
     assert followed.kept.all()
-    np.testing.assert_allclose(followed.points_px, PLACES + [2.4, -1.3], atol=0.08)
+    np.testing.assert_allclose(followed.points_px, PLACES + MOVED_PX, atol=0.08)
     rng = np.random.default_rng(3)
     places = rng.uniform(25.0, 105.0, (60, 2))
     noisy = np.clip(moved + 8.0 * rng.standard_normal(moved.shape), 0, 255).astype(np.uint8)
-    rough = klt_step.follow(image, noisy, places, places + [2.4, -1.3])
+    rough = klt_step.follow(image, noisy, places, places + MOVED_PX)
     back, _ = klt_step._step(noisy, image, rough.points_px, places)
     apart = ((back - places) ** 2).sum(axis=1)[rough.kept]
     # The median of chi-square of two degrees is 2 ln 2; there and back are two steps.

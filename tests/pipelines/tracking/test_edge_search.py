@@ -85,7 +85,7 @@ def test_an_outline_is_where_light_ends_along_the_normal_not_where_it_begins() -
 
 
 def test_the_nearest_of_several_clear_steps_is_taken() -> None:
-    """A weak one is not: less than 0.3 of the strongest on the normal, which counts to ten gates."""
+    """A weak one is not: below 0.3 of the strongest on the normal, which counts to ten gates."""
     along = ramp(0.0)
     two = edge(along, -6.0, 40.0, 300.0) + edge(along, 3.0, 0.0, 600.0)
     steps = search_steps(image_of(two), samples(0.0), 10.0)

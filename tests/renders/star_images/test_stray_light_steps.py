@@ -1,4 +1,4 @@
-"""Stray light, step by step: pieces of the Earth, discs, and a grid that is linear between nodes."""
+"""Stray light, step by step: pieces of the Earth, discs, a grid that is linear between nodes."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def test_the_earth_hides_the_sky_where_it_is_and_shines_by_its_day() -> None:
     (25.0, SUN_MAG, 1.0), (45.0, SUN_MAG, 0.01), (45.0, -12.7, 1.0), (95.0, SUN_MAG, 0.0),
 ])  # fmt: skip
 def test_what_the_lens_scatters_is_its_function_times_a_pixel(off_deg, magnitude, passed) -> None:
-    """Behind the hood a hundredth of the Sun; the Moon knows no hood, and nothing comes from behind."""
+    """Behind the hood a hundredth of the Sun; the Moon knows none; nothing comes from behind."""
     scatter = LensScatter(3.0, 0.6, 2.0, hood_deg=40.0, hood_leak=0.01)
     sensor = replace(SENSOR, scatter=scatter, sky_mag_arcsec2=99.0)
     off = np.deg2rad(off_deg)

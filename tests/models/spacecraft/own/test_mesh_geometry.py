@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import trimesh
@@ -25,7 +27,7 @@ def faceted(steps_deg: list[float], wide: float = 1.0, tall: float = 0.3) -> Flo
     z = np.concatenate([[0.0], np.cumsum(tall * np.sin(turns))])
     rows = [[[x[k], y, z[k]] for y in (0.0, wide)] for k in range(len(x))]
     faces = []
-    for (a, b), (d, c) in zip(rows[:-1], rows[1:], strict=True):
+    for (a, b), (d, c) in pairwise(rows):
         faces += [[a, d, c], [a, c, b]]
     return np.array(faces)
 
@@ -168,7 +170,8 @@ def frame_of(points: Floats, edges: list[tuple[int, int]]) -> Wireframe:
 def prism(sides: int, height: float, turn: Rotation, along: float = 1.0) -> Wireframe:
     angle = 2.0 * np.pi * np.arange(sides) / sides
     ring = np.column_stack([along * np.cos(angle), np.sin(angle), np.zeros(sides)])
-    points = np.concatenate([ring - [0, 0, height], ring + [0, 0, height]])
+    up = np.array([0.0, 0.0, height])
+    points = np.concatenate([ring - up, ring + up])
     k = np.arange(sides)
     edges = [(i, (i + 1) % sides) for i in k] + [(sides + i, sides + (i + 1) % sides) for i in k]
     edges += [(i, sides + i) for i in k]
@@ -321,6 +324,10 @@ def test_no_collapse_turns_a_face_over() -> None:
     assert not work._may(4, 5)
     assert simplify._upright([(0.0, 0, 0), (2.0, 0, 0), (0.0, 3.0, 0)]) == (0.0, 0.0, 6.0)
     assert work._neighbours(4) == {0, 1, 2, 3}
+    corners = np.random.default_rng(8).uniform(-1.0, 1.0, (3, 3))
+    upright = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    found = simplify._upright([(x, y, z) for x, y, z in corners.tolist()])
+    np.testing.assert_allclose(found, upright)
 
 
 def test_corners_merge_into_the_largest_near_them_and_stop_at_the_wish() -> None:
