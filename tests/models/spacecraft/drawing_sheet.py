@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -21,19 +21,68 @@ import numpy as np
 from models.arm.house_arm import house_arm
 from models.arm.shape import arm_parts
 from models.arrays import Floats
-from models.spacecraft.catalogue import spacecraft_by_name
-from models.spacecraft.grasp_markers import BOARD
+from models.spacecraft import hispasat_layout, xmm
+from models.spacecraft.anti_earth_deck import anti_earth_deck_parts
+from models.spacecraft.apogee_engine import apogee_engine_parts
+from models.spacecraft.bus import bus_parts
+from models.spacecraft.chaser import chaser
+from models.spacecraft.earth_deck import earth_deck_parts
+from models.spacecraft.grasp_markers import BOARD, _board
+from models.spacecraft.hispasat_antennas import antenna_parts
+from models.spacecraft.hispasat_body import body_parts
+from models.spacecraft.launch_adaptor_ring import launch_adaptor_ring_parts
+from models.spacecraft.marker_support import marker_support_parts
+from models.spacecraft.offset_reflector import offset_reflector_parts
 from models.spacecraft.part import Part
+from models.spacecraft.radiator import radiator_parts
+from models.spacecraft.retroreflector_layout import RETROREFLECTORS
+from models.spacecraft.solar_wing import solar_wing_parts
+from models.spacecraft.thruster import thruster_parts
 from models.spacecraft.wireframes import WIREFRAMES, wireframe_by_name
+from models.spacecraft.xmm_service_module import service_module_parts
+from models.spacecraft.xmm_telescope import telescope_parts
 
 SHEET = Path(__file__).with_name("drawing_sheet.csv")
-CRAFTS = ("maxar1300", "xmm", "hispasat", "chaser", "board", "arm", "hulls")
+HULLS = "hulls"
+
+
+def _both(builder: Callable[[float], tuple[Part, ...]]) -> Callable[[], tuple[Part, ...]]:
+    return lambda: (*builder(1.0), *builder(-1.0))
+
+
+ASSEMBLIES: dict[str, Callable[[], tuple[Part, ...]]] = {
+    "bus": bus_parts,
+    "launch_adaptor_ring": launch_adaptor_ring_parts,
+    "apogee_engine": apogee_engine_parts,
+    "marker_supports": lambda: marker_support_parts(RETROREFLECTORS),
+    "thrusters": thruster_parts,
+    "anti_earth_deck": anti_earth_deck_parts,
+    "radiators": _both(radiator_parts),
+    "maxar_wings": _both(solar_wing_parts),
+    "reflectors": _both(offset_reflector_parts),
+    "earth_deck": earth_deck_parts,
+    "grasp_board": lambda: (Part(BOARD, _board(), "marker_black"),),
+    "xmm_service_module": service_module_parts,
+    "xmm_telescope": telescope_parts,
+    "xmm_wings": _both(xmm._wing),
+    "hispasat_body": body_parts,
+    "hispasat_antennas": antenna_parts,
+    "hispasat_wings": _both(
+        lambda sign: hispasat_layout.WING.parts(
+            "plus_y" if sign > 0.0 else "minus_y", hispasat_layout.body_from_wing(sign)
+        )
+    ),
+    "chaser": lambda: chaser().parts,
+    "arm": lambda: arm_parts(house_arm()),
+}
+"""What is drawn on one sheet: the parts that one function returns."""
+DRAWN = (*ASSEMBLIES, HULLS)
 COUNTS = ("vertices", "triangles")
 SIZES = (
     "area_m2", "volume_m3", "low_x", "low_y", "low_z", "high_x", "high_y", "high_z",
     "centroid_x", "centroid_y", "centroid_z", "gyration_x", "gyration_y", "gyration_z",
 )  # fmt: skip
-COLUMNS = ("craft", "part", "material", "smooth", "frame", *COUNTS, *SIZES)
+COLUMNS = ("assembly", "part", "material", "smooth", "frame", *COUNTS, *SIZES)
 
 
 def measured(triangles: Floats) -> list[float]:
@@ -58,33 +107,19 @@ def measured(triangles: Floats) -> list[float]:
     return [float(area.sum()), volume, *low, *high, *centroid, *spread]
 
 
-def parts_of(craft: str) -> Iterator[tuple[Part, Floats]]:
-    """Yield a craft's parts, each with its triangles, (n, 3, 3) m."""
-    if craft == "arm":
-        parts = arm_parts(house_arm())
-    elif craft == "board":
-        parts = tuple(p for p in spacecraft_by_name("maxar1300_grasp").parts if p.name == BOARD)
-    else:
-        parts = spacecraft_by_name(craft).parts
-    for part in parts:
-        yield part, np.asarray(part.mesh.triangles, dtype=np.float64)
-
-
-def rows_of(craft: str) -> list[dict[str, str]]:
-    """Measure a craft, as the sheet has it; ``hulls`` are what wireframes hide things by."""
-    if craft == "hulls":
-        rows = []
+def rows_of(assembly: str) -> list[dict[str, str]]:
+    """Measure an assembly, as the sheet has it; hulls are what wireframes hide things by."""
+    rows: list[list[object]] = []
+    if assembly == HULLS:
         for name in sorted(WIREFRAMES):
             hull = wireframe_by_name(name).triangles_in_target
-            rows.append([craft, name, "", "", "", "", len(hull), *measured(hull)])
+            rows.append([assembly, name, "", "", "", "", len(hull), *measured(hull)])
     else:
-        rows = [
-            [
-                craft, part.name, part.material, part.smooth, part.frame,
-                len(part.mesh.vertices), len(triangles), *measured(triangles),
-            ]
-            for part, triangles in parts_of(craft)
-        ]  # fmt: skip
+        for part in ASSEMBLIES[assembly]():
+            triangles = np.asarray(part.mesh.triangles, dtype=np.float64)
+            counts = len(part.mesh.vertices), len(triangles)
+            told = part.name, part.material, part.smooth, part.frame
+            rows.append([assembly, *told, *counts, *measured(triangles)])
     return [
         {
             column: f"{value:.7f}" if isinstance(value, float) else str(value)
@@ -99,8 +134,8 @@ def main() -> None:
     with SHEET.open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
-        for craft in CRAFTS:
-            writer.writerows(rows_of(craft))
+        for assembly in DRAWN:
+            writer.writerows(rows_of(assembly))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import trimesh
 from tests.models.spacecraft.drawing_sheet import (
     COLUMNS,
     COUNTS,
-    CRAFTS,
+    DRAWN,
     SHEET,
     SIZES,
     measured,
@@ -23,14 +23,14 @@ SIZE_M = 1e-6
 REDRAWN = "redrawn on purpose? python -m tests.models.spacecraft.drawing_sheet, and look at why"
 
 
-def sheet_of(craft: str) -> list[dict[str, str]]:
+def sheet_of(assembly: str) -> list[dict[str, str]]:
     with SHEET.open() as file:
-        return [row for row in csv.DictReader(file) if row["craft"] == craft]
+        return [row for row in csv.DictReader(file) if row["assembly"] == assembly]
 
 
-@pytest.mark.parametrize("craft", CRAFTS)
-def test_every_part_measures_what_its_drawing_says(craft: str) -> None:
-    drawn, found = sheet_of(craft), rows_of(craft)
+@pytest.mark.parametrize("assembly", DRAWN)
+def test_every_part_measures_what_its_drawing_says(assembly: str) -> None:
+    drawn, found = sheet_of(assembly), rows_of(assembly)
     words = [column for column in COLUMNS if column not in SIZES]
     assert [[row[w] for w in words] for row in found] == [[row[w] for w in words] for row in drawn]
     sizes = [np.array([[float(row[s]) for s in SIZES] for row in rows]) for rows in (found, drawn)]
