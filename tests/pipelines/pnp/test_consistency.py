@@ -132,3 +132,13 @@ def test_croftons_formula_counts_ends_of_runs_in_four_directions() -> None:
     sizes = {(7, 21), (2, 3), (1, 1)}
     expected = {0.25 * np.pi * (h + w + 2.0 * np.sqrt(0.5) * (h + w - 1)) for h, w in sizes}
     np.testing.assert_allclose(np.sort(found), np.sort(list(expected)))
+
+
+def test_among_errors_larger_than_foreseen_a_gross_one_is_still_named() -> None:
+    """Ten times what was told everywhere, and one that is two hundred times."""
+    named = []
+    for seed in range(6):
+        off = 1.0 * np.random.default_rng([7, seed]).standard_normal((9, 2))
+        off[3] += [16.0, 12.0]
+        named.append(find_outliers(*problem_of(off), 4.0, SOLVER) == (3,))
+    assert np.mean(named) >= 5 / 6
