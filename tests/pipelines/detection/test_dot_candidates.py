@@ -140,4 +140,4 @@ def test_a_blob_is_placed_in_its_own_box() -> None:
     assert circle is not None
     np.testing.assert_allclose(circle[0], [10.0, 10.0], atol=0.1)
     assert circle[1] == pytest.approx(10.0, abs=PLACE_PX)
-    assert boundary(np.ones((1, 5), bool)) is None  # five boundary pixels are too few
+    assert boundary(np.ones((1, 3), bool)) is None  # a contour of four pixels, there and back
