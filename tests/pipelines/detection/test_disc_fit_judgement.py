@@ -235,3 +235,17 @@ def test_a_disc_darker_than_its_surround_is_none() -> None:
     assert disc_fit.fit_appearance(replace(own, difference=-model), DISC, DETECTOR, BLUR) is None
     outside = np.array([-30.0, 10.0])
     assert fit_disc(flat, flat, outside, 36.0 * np.eye(2), DETECTOR, 4000.0, BLUR) is None
+
+
+def test_a_ramp_is_known_to_three_percent_over_a_radius_before_it_is_seen() -> None:
+    """In noise of 200 DN a ramp of 10 % over the radius is mostly taken for noise."""
+    own = window(np.zeros(SIZE))
+    ramp = np.array([0.1 * 900.0 / RADIUS, 0.0])
+    steep = replace(TRUE, centre_px=np.zeros(2), ramp_dn_px=ramp)
+    model, _ = disc_model(own.x, own.y, DISC.shape_inverse, RADIUS, steep)
+    seen = replace(own, difference=model)
+    for read_noise_e, low, high in ((26.0, 0.9, 1.05), (26.0 * 140.0, 0.1, 0.6)):
+        detector = replace(DETECTOR, read_noise_e=read_noise_e)
+        found = disc_fit.fit_appearance(seen, DISC, detector, BLUR)
+        assert found is not None
+        assert low < found.parameters.ramp_dn_px[0] / ramp[0] < high
