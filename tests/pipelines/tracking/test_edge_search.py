@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from models.arrays import Floats
+from models.arrays import Floats, Mask
 from models.camera import Camera
 from models.pose import RigidTransform
 from pipelines.detection.edge_map import EdgeMap, find_edges
@@ -246,9 +246,16 @@ def test_an_edge_maps_noise_is_counted_in_the_stretch() -> None:
         np.testing.assert_allclose(find_edges(target).noise, expected, rtol=1e-4)
 
 
-def test_edges_are_kept_within_four_pixels_of_the_target() -> None:
-    signal = cv2.GaussianBlur(np.where(ramp(0.0) > 0.0, 900.0, 5.0).astype(np.float32), (0, 0), 0.8)
-    for gap, kept in ((1, True), (6, False)):
-        lit = ramp(0.0) > gap
+@pytest.mark.parametrize("turn_deg", [0.0, 90.0, 180.0, 270.0])
+def test_edges_are_kept_within_four_pixels_of_the_target(turn_deg: float) -> None:
+    """On all its sides alike: an edge with four pixels to the first that is lit, not with five."""
+    along = ramp(turn_deg)
+    signal = cv2.GaussianBlur(np.where(along > 0.0, 900.0, 5.0).astype(np.float32), (0, 0), 0.8)
+
+    def edges_of(lit: Mask) -> Mask:
         target = TargetRegion(signal, np.arcsinh(signal / KNEE_DN), lit, 1.5, KNEE_DN, 0.0)
-        assert find_edges(target).edges.any() == kept
+        return find_edges(target).edges
+
+    place = round(float(along[edges_of(along > -90.0)].max()))
+    assert edges_of(along > place + 3.5).any()
+    assert not edges_of(along > place + 4.5).any()
