@@ -47,7 +47,7 @@ class PoseMeasurement:
         return self.turn_noise - self.turn_effect @ self.turn_effect.T
 
 
-def measured(found: Estimate, mount: CameraMount, lasting: LastingErrors) -> PoseMeasurement:
+def measured(found: Estimate, mount: CameraMount, errors: LastingErrors) -> PoseMeasurement:
     """Return what a pose tells the filters.
 
     Parameters
@@ -55,7 +55,7 @@ def measured(found: Estimate, mount: CameraMount, lasting: LastingErrors) -> Pos
     found : Estimate
     mount : CameraMount
         What is not known of the camera's attitude is drawn anew for each image.
-    lasting : LastingErrors
+    errors : LastingErrors
 
     Raises
     ------
@@ -73,8 +73,8 @@ def measured(found: Estimate, mount: CameraMount, lasting: LastingErrors) -> Pos
     return PoseMeasurement(
         position=place,
         position_noise=place_noise,
-        position_effect=lasting.effect(moved),
+        position_effect=errors.effect(moved),
         R_lvlh_from_target=attitude,
         turn_noise=turn_noise,
-        turn_effect=attitude.T @ lasting.effect(turned),
+        turn_effect=attitude.T @ errors.effect(turned),
     )

@@ -92,8 +92,8 @@ class RelativeNavigation:
     inertia_kg_m2 : (3, 3) array, optional
         Of the target, about its centre of mass and in its own axes, where it is known; any
         multiple serves. Only with ``rate_model = "inertial"``.
-    lasting : LastingErrors
-        What lasts of the poses' errors; without it they are white.
+    errors : LastingErrors
+        Of the poses; without it they are white.
 
     Raises
     ------
@@ -109,18 +109,18 @@ class RelativeNavigation:
         chaser_sigma_m: float = 0.0,
         chaser_sigma_m_s: float = 0.0,
         inertia_kg_m2: Floats | None = None,
-        lasting: LastingErrors = WHITE,
+        errors: LastingErrors = WHITE,
     ) -> None:
-        if lasting.count and (options.translation, options.rotation) != ("kalman", "mekf"):
+        if errors.count and (options.translation, options.rotation) != ("kalman", "mekf"):
             raise ValueError(
                 "expected translation = kalman and rotation = mekf where errors last, got "
                 f"{options.translation} and {options.rotation}: take white ones"
             )
         self._options = options
-        self._lasting = lasting
+        self._errors = errors
         self._mount = CameraMount(cam_from_lvlh)
         self._chaser_sigmas = (chaser_sigma_m, chaser_sigma_m_s)
-        self._process = RotationProcess(options, inertia_kg_m2, lasting)
+        self._process = RotationProcess(options, inertia_kg_m2, errors)
         self._translation: Floats | None = None
 
     @property
@@ -155,12 +155,12 @@ class RelativeNavigation:
             rotation_covariance = _diagonal(
                 np.deg2rad(option.start_sigma_deg), np.deg2rad(option.start_sigma_deg_s)
             )
-        unknown = np.zeros((3, self._lasting.count))
+        unknown = np.zeros((3, self._errors.count))
         return self._begun(
             state,
             chaser,
-            self._lasting.begun(translation_covariance, unknown),
-            self._lasting.begun(rotation_covariance, unknown),
+            self._errors.begun(translation_covariance, unknown),
+            self._errors.begun(rotation_covariance, unknown),
         )
 
     def _begun(
@@ -173,7 +173,7 @@ class RelativeNavigation:
         """Begin from a state, and covariances of it and of what lasts."""
         self._time_s = state.time_s
         self._orbit = KeplerOrbit.from_state(chaser)
-        lasting = np.zeros(self._lasting.count)
+        lasting = np.zeros(self._errors.count)
         self._translation = np.concatenate([state.rho_in_lvlh, state.rho_dot_in_lvlh, lasting])
         self._translation_covariance = translation_covariance
         self._rotation = self._process.state_from_relative(
@@ -207,7 +207,7 @@ class RelativeNavigation:
         fault = _fault(found)
         if fault:
             raise ValueError(f"expected a pose to start from, got one with {fault}")
-        pose = measured(found, mount or self._mount, self._lasting)
+        pose = measured(found, mount or self._mount, self._errors)
         option = self._options
         translation = _diagonal(0.0, option.start_sigma_m_s)
         translation[:3, :3] = pose.position_noise
@@ -219,8 +219,8 @@ class RelativeNavigation:
         begun = self._begun(
             still,
             chaser,
-            self._lasting.begun(translation, pose.position_effect),
-            self._lasting.begun(rotation, pose.turn_effect),
+            self._errors.begun(translation, pose.position_effect),
+            self._errors.begun(rotation, pose.turn_effect),
         )
         return replace(begun, used_pose=True)
 
@@ -260,7 +260,7 @@ class RelativeNavigation:
         self._translation, self._translation_covariance = kalman.predict(
             now,
             self._translation_covariance,
-            *self._lasting.carried(transition, noise, float(np.linalg.norm(turned))),
+            *self._errors.carried(transition, noise, float(np.linalg.norm(turned))),
         )
         if self._options.rotation == "minimum_energy" and self._options.forgetting_per_s:
             growth = float(np.exp(self._options.forgetting_per_s * (time_s - self._time_s)))
@@ -294,7 +294,7 @@ class RelativeNavigation:
         fault = _fault(found)
         if fault:
             return self._refused(f"the pose has {fault}")
-        pose = measured(found, mount or self._mount, self._lasting)
+        pose = measured(found, mount or self._mount, self._errors)
         moved, remark = self._translation_update(now, pose)
         turned = self._rotation_update(pose)
         gate = self._options.gate

@@ -199,7 +199,7 @@ class ImagePoseFinder:
     def _said(
         self, frame: ImageFrame, image: EdgeImage, fit: EdgeFit, check: PoseCheck
     ) -> Estimate:
-        covariance = fit_covariance(fit, image.camera, check.outside)
+        covariance = fit_covariance(fit, image.camera, check)
         if covariance is None:
             return self._none(frame, "the edges found do not determine a pose", image)
         self._share = check.supported

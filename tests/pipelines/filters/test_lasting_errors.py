@@ -34,7 +34,10 @@ RUNS = 24
 SETTLED = 5
 ERRORS = LastingErrors(view_share=0.6, steady_share=0.2, view_turn_deg=15.0)
 SIGMA = np.array([*np.deg2rad([0.3, 0.3, 0.1]), 0.01, 0.01, 0.06])
-NEES_BAND = (0.6, 1.2)  # of the mean over runs, whose own spread is 0.4 over the root of 24; below 1,
+NEES_BAND = (
+    0.6,
+    1.2,
+)  # of the mean over runs, whose own spread is 0.4 over the root of 24; below 1,
 # for the target is as free as modelled and nothing pushes, while the filter allows for a push
 
 
@@ -66,7 +69,7 @@ def followed(run: int, drawn: LastingErrors, believed: LastingErrors) -> Floats:
 
     The last four are of position along the boresight and of attitude.
     """
-    filters = RelativeNavigation(BEST, CAM_FROM_LVLH, inertia_kg_m2=HISPASAT, lasting=believed)
+    filters = RelativeNavigation(BEST, CAM_FROM_LVLH, inertia_kg_m2=HISPASAT, errors=believed)
     rows = []
     for found in poses(run, drawn):
         chaser = TUMBLE.chaser_state(found.time_s)
@@ -103,7 +106,8 @@ def over_runs(drawn: LastingErrors, believed: LastingErrors) -> Floats:
 def test_what_the_filter_states_is_what_it_errs_by(errors: LastingErrors) -> None:
     """Mean NEES over runs, position and attitude, is that of an honest covariance."""
     mean = over_runs(errors, errors)[:, SETTLED:, :2].mean(axis=(0, 1))
-    assert (mean > NEES_BAND[0]).all() and (mean < NEES_BAND[1]).all()
+    assert (mean > NEES_BAND[0]).all()
+    assert (mean < NEES_BAND[1]).all()
 
 
 def test_lasting_errors_taken_as_white_are_stated_far_too_small() -> None:
@@ -149,4 +153,4 @@ def test_shares_that_leave_nothing_or_less_are_refused(shares: dict[str, float])
 
 def test_only_kalman_s_filters_carry_them() -> None:
     with pytest.raises(ValueError, match="take white ones"):
-        RelativeNavigation(PAPER, CAM_FROM_LVLH, lasting=ERRORS)
+        RelativeNavigation(PAPER, CAM_FROM_LVLH, errors=ERRORS)
