@@ -109,7 +109,10 @@ class Uncooperative:
 
     def _acquired(self, finder: PoseFinder[Any], frame: Seen, keep: bool = False) -> Estimate:
         """Start from this image alone; where that fails there is no state, but one to keep."""
-        found = finder.acquire(frame)
+        return self._started(finder.acquire(frame), frame, keep)
+
+    def _started(self, found: Estimate, frame: Seen, keep: bool = False) -> Estimate:
+        """Start from a pose that owes nothing to the filters, if there is one."""
         if found.pose is not None and (fault := covariance_fault(found.pose.stated_covariance)):
             found = _refused(found, f"the pose acquired has {fault}")
         if found.pose is None:
@@ -138,6 +141,8 @@ class Uncooperative:
             if predicted.used_pose:
                 self._lost_frames = 0
                 return _said(found, predicted, "tracked")
+            if finder.found_anew:
+                return self._started(found, frame)
             found = _refused(found, f"the filters refuse the pose: {predicted.reason}")
         self._lost_frames += 1
         refused = predicted.refused_in_row >= self._options.refused_frames
