@@ -25,6 +25,7 @@ DARK_DOUBT = 5.0  # how much more an edge errs where all others lie in the dark
 LEAST_SIGMA_PX = 0.35  # of half an edge: the drawing's and the light's errors, measured
 SHARED = 0.85  # of the samples' rms, what those of half an edge have in common
 OUTLINE_SIGMA_PX = 0.2  # of all outlines together, outwards: measured
+SHIFT_SIGMA_PX = 0.05  # of all edges together, along either axis of the image: measured
 LEAST_EIGENVALUE = 1e-9
 
 
@@ -134,9 +135,10 @@ def fit_covariance(fit: EdgeFit, camera: Camera, check: PoseCheck) -> Floats | N
     together: what moves the pose is the sum over each half of an edge, of as much as the fit gives
     it (the covariance of an estimate whose weights are not those of its errors: White 1982,
     Econometrica 50). All outlines together may lie outside or inside of the drawing's, which is
-    mostly an error of the range. Where much light falls outside the silhouette, the image shows
-    what the drawing leaves out, and edges are taken for others; where edges lie in the dark, the
-    light ends at shadows that are none of them: the sigma grows with both.
+    mostly an error of the range, and light from one side moves all edges a little. Where much
+    light falls outside the silhouette, the image shows what the drawing leaves out, and edges are
+    taken for others; where edges lie in the dark, the light ends at shadows that are none of them:
+    the sigma grows with both.
 
     Parameters
     ----------
@@ -161,7 +163,8 @@ def fit_covariance(fit: EdgeFit, camera: Camera, check: PoseCheck) -> Floats | N
     doubt = 1.0 + (check.outside / DRAWN_OUTSIDE) ** 3 + DARK_DOUBT * check.unseen
     sigma = max(LEAST_SIGMA_PX, SHARED * fit.rms_px) * doubt
     swollen = OUTLINE_SIGMA_PX * gain @ samples.outline
-    covariance = sigma**2 * half.T @ half + np.outer(swollen, swollen)
+    shifted = SHIFT_SIGMA_PX * gain @ samples.normals_px
+    covariance = sigma**2 * half.T @ half + np.outer(swollen, swollen) + shifted @ shifted.T
     return np.asarray(0.5 * (covariance + covariance.T))
 
 

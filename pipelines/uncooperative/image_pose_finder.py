@@ -135,7 +135,7 @@ class ImagePoseFinder:
                 if wide < FAR_SPREAD_PX:
                     self._share = 0.0
                 return estimate
-            if wide > FAR_SPREAD_PX and _undecided(outcome, predicted, covariance):
+            if wide > FAR_SPREAD_PX and undecided(outcome, predicted, covariance):
                 return self._none(frame, outcome.reason, image)
         if isinstance(tracked, str):
             return self._none(frame, tracked, image)
@@ -255,8 +255,17 @@ class ImagePoseFinder:
         return whole, corners.sigma_px * scale
 
 
-def _undecided(outcome: ImageAcquisition, predicted: RigidTransform, covariance: Floats) -> bool:
-    """Tell whether a prediction allows for more than one of the poses that fit alike."""
+def undecided(outcome: ImageAcquisition, predicted: RigidTransform, covariance: Floats) -> bool:
+    """Tell whether a prediction allows for more than one of the poses that fit alike.
+
+    Parameters
+    ----------
+    outcome : ImageAcquisition
+    predicted : RigidTransform
+        ``cam_from_target``.
+    covariance : (6, 6) array, rad and m
+        Of the prediction, rotation first.
+    """
     allowed = 0
     for rival in outcome.rivals:
         pose = rival.fit.cam_from_target
