@@ -13,8 +13,9 @@ from models.estimate import Detections, Estimate, PoseEstimate
 from models.motion.kepler_orbit import KeplerOrbit
 from models.motion.relative_state import relative_state
 from models.motion.tumble import CAM_FROM_LVLH, Tumble
-from models.pose import RigidTransform, pose_error
+from models.pose import RigidTransform
 from pipelines.acquisition.from_image import FoundPose, ImageAcquisition
+from pipelines.filters.rotation_process import turn_between
 from pipelines.tracking.edge_fit import EdgeFit, EdgeSteps
 from pipelines.tracking.model_edges import EdgeSamples
 from pipelines.tracking.pose_check import NO_FIT
@@ -80,8 +81,8 @@ def attitudes_deg(finder: Scripted) -> list[float]:
         frame = ImageFrame(index, time_s, image, TUMBLE.chaser_state(time_s))
         state = relative_state(pipeline.process_seen(frame))
         assert state is not None
-        error = pose_error(state.cam_from_target(CAM_FROM_LVLH), pose_at(time_s))
-        off.append(error.attitude_deg)
+        turn = turn_between(state.cam_from_target(CAM_FROM_LVLH).rotation, pose_at(time_s).rotation)
+        off.append(float(np.rad2deg(np.linalg.norm(turn))))
     return off
 
 
