@@ -56,11 +56,11 @@ class LastingErrors:
 
     @property
     def count(self) -> int:
-        """Numbers that a filter of three measured ones carries beside its state."""
+        """n, the numbers that a filter of three measured ones carries beside its state."""
         return 6 if self.lasting_share else 0
 
     def effect(self, covariance: Floats) -> Floats:
-        """Return how the numbers carried show in a measurement, (3, ``count``).
+        """Return how the n numbers carried show in a measurement, (3, n).
 
         Parameters
         ----------
@@ -75,13 +75,13 @@ class LastingErrors:
         return np.hstack([np.sqrt(self.view_share) * root, np.sqrt(self.steady_share) * root])
 
     def begun(self, covariance: Floats, effect: Floats) -> Floats:
-        """Return the joint covariance of a state that starts from a pose, and of its errors.
+        """Return the (6 + n, 6 + n) covariance of a state begun from a pose, and of its errors.
 
         Parameters
         ----------
         covariance : (6, 6) array
             Of the state; the pose's own in its first three rows.
-        effect : (3, count) array
+        effect : (3, n) array
             See ``effect``; of zeros where the state comes from elsewhere.
         """
         joint = np.eye(6 + self.count)
@@ -92,7 +92,7 @@ class LastingErrors:
     def carried(
         self, transition: Floats, noise: Floats, turned_rad: float
     ) -> tuple[Floats, Floats]:
-        """Return transition and process noise of state and errors together.
+        """Return transition and process noise of state and errors, (6 + n, 6 + n) both.
 
         Parameters
         ----------
