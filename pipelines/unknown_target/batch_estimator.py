@@ -277,10 +277,10 @@ class BatchEstimator:
             where = placed(best.at, best.tumble, self._known_epochs)
             points = best.at.points[self._tracks.live]
             share = self._silhouettes.shares(where, self._ranges.frame, points)
+            self._ranges = replace(self._ranges, share=share)
             self._hull_known = bool(np.isfinite(share).any())
             if not self._hull_known:
                 break
-            self._ranges = replace(self._ranges, share=share)
             best = self._descended(best.at)
         return best
 
