@@ -29,9 +29,11 @@ from pipelines.acquisition.light_likelihood import (
     shading,
     told_light,
 )
+from pipelines.acquisition.light_placing import coarse_light, placed
 from pipelines.acquisition.sunlit_views import (
     SeenViews,
     SunlitViews,
+    even_views,
     search_sunlit_views,
     seen_views,
     sunlit_views,
@@ -52,7 +54,7 @@ STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
 NEAR_PX = 2.0  # an edge this near to its step is found,
 SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
-TEMPLATE_WORK, SEARCH_WORK, LIGHT_WORK, FIT_WORK = 14.0, 4.0, 0.15, 1.0  # in fits
+TEMPLATE_WORK, SEARCH_WORK, PLACE_WORK, LIGHT_WORK, FIT_WORK = 14.0, 6.0, 0.05, 0.15, 1.0  # in fits
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,9 @@ class UnderSunOptions:
     directions : int
         From how many the target is seen, before the first image.
     views : int
-        How many of the likeliest are held against the light,
+        How many of the likeliest under the Sun, and as many under an even light, are placed,
+    held : int
+        how many of the best placed are held against the light,
     laid : int
         how many of these are laid on the edges,
     twinned : int
@@ -84,7 +88,8 @@ class UnderSunOptions:
 
     fine_width: int = 1024
     directions: int = 500
-    views: int = 40
+    views: int = 100
+    held: int = 40
     laid: int = 12
     twinned: int = 2
     about_deg: float = 15.0
@@ -225,15 +230,32 @@ class UnderSun:
         views = search_sunlit_views(
             shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, options.views
         )
-        starts = [view.cam_from_target for view in views] + list(expected)
-        starts = [start for start in starts if self._in_range(start)]
-        if not starts:
+        even = search_sunlit_views(
+            cut.target.lit.astype(np.float32),
+            cut.camera,
+            seen,
+            even_views(seen),
+            sun_in_cam,
+            self._wireframe.radius_m,
+            options.views,
+        )
+        views = [view for view in (*views, *even) if self._in_range(view.cam_from_target)]
+        if not views:
             return Looked(cut, None, (), "no view of the target shines like the image", work)
-        radius_px = float(np.median([self._radius_px(cut, start) for start in starts[:10]]))
+        radius_px = float(np.median([self._radius_px(cut, v.cam_from_target) for v in views]))
         if radius_px < options.least_radius_px:
             reason = f"the target is too small: its radius seems to be {radius_px:.0f} px"
             return Looked(cut, None, (), reason, work)
         light = image_light(cut.target, radius_px)
+        coarse = coarse_light(light, radius_px)
+        views = [
+            placed(coarse, cut.camera, seen, view, sun_in_cam, self._wireframe.radius_m)
+            for view in views
+        ]
+        work += PLACE_WORK * len(views)
+        views.sort(key=lambda view: -view.likeness)
+        starts = [view.cam_from_target for view in views[: options.held]] + list(expected)
+        starts = [start for start in starts if self._in_range(start)]
         shares = [self._light(cut, light, start, sun_in_cam) for start in starts]
         work += LIGHT_WORK * len(starts)
         order = np.argsort(-np.array(shares), kind="stable")[: options.laid]
