@@ -228,6 +228,11 @@ def explained(image: ImageLight, told: ToldLight) -> float:
     return float(_by_regime(image, told).max() / max(image.most, 1e-6))
 
 
+def regime_of(image: ImageLight, told: ToldLight) -> int:
+    """Return which of ``OF_SHADE`` makes an image likeliest at a pose."""
+    return int(_by_regime(image, told).argmax())
+
+
 def _by_regime(image: ImageLight, told: ToldLight) -> Floats:
     """Return the log-likelihood of an image over an empty sky's, by what shines in the shade."""
     pairs = 4 * told.said.astype(np.int64) + _under(image.shown, told, DARK)
@@ -258,7 +263,7 @@ def preference(image: ImageLight, one: ToldLight, other: ToldLight) -> float:
     for sign, told in ((1.0, one), (-1.0, other)):
         column, row = (told.corner - low).tolist()
         part = np.s_[row : row + told.said.shape[0], column : column + told.said.shape[1]]
-        own = GAINS[int(_by_regime(image, told).argmax())]
+        own = GAINS[regime_of(image, told)]
         ratio[part] += sign * own[told.said, shown[part]]
     return float(ratio.sum() / np.sqrt((ratio**2).sum() + LEAST_SAY**2))
 

@@ -22,7 +22,7 @@ from pipelines.acquisition.view_search import Hypothesis
 
 CELLS_OF_RADIUS = 12.0
 SPAN_RADII = 2.1  # of a view's grid
-SIZES = tuple(np.exp(0.1 * np.arange(-4, 5)).tolist())
+SIZES = tuple(np.exp(0.12 * np.arange(-3, 4)).tolist())
 SHIFT_CELLS = 4  # either way
 SHADES = (0, 2, 4)  # of ``light_likelihood.OF_SHADE``: the others lie between
 SAID = 3  # in shadow, grazed, lit

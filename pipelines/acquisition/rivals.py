@@ -9,15 +9,43 @@ direction off as told.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform
-from pipelines.acquisition.under_sun import Candidate, UnderSun
+from pipelines.acquisition.under_sun import UnderSun
 
 ALONE_SIGMAS = 4.0  # what a sole candidate of an image leads by
 MOST_SIGMAS = 5.0  # a larger lead is no surer: it says that others are bad, not that this is right
+
+
+class Laid(Protocol):
+    """What rivals take of a candidate; see ``pipelines.acquisition.under_sun.Candidate``."""
+
+    @property
+    def pose(self) -> RigidTransform:
+        """``cam_from_target``."""
+
+    @property
+    def score(self) -> float:
+        """How it fits."""
+
+    @property
+    def light(self) -> float:
+        """Share of the image's light that it explains."""
+
+    @property
+    def steps(self) -> float:
+        """Share found of the steps in brightness that are due."""
+
+    @property
+    def range_sigma(self) -> float:
+        """Of the range, as a share of it."""
+
+
+L = TypeVar("L", bound=Laid)
 
 
 @dataclass(frozen=True)
@@ -91,7 +119,7 @@ class Belief:
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class Rival(Generic[L]):
     """A motion that the images so far allow.
 
     Attributes
@@ -99,7 +127,7 @@ class Rival:
     times_s : tuple of float, s
         Of its images.
     poses : tuple of RigidTransform
-    last : Candidate
+    last : Laid
         Of the last image.
     score, weight : float
         Sums over all images, each weighted.
@@ -109,7 +137,7 @@ class Rival:
 
     times_s: tuple[float, ...]
     poses: tuple[RigidTransform, ...]
-    last: Candidate
+    last: L
     score: float
     weight: float
     explained: float
@@ -129,12 +157,12 @@ class Rival:
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Verdict(Generic[L]):
     """What the images so far come to.
 
     Attributes
     ----------
-    best : Candidate
+    best : Laid
     wrong_probability : float
     margin : float
         Weighted score by which the best rival leads.
@@ -144,7 +172,7 @@ class Verdict:
         The next one's pose in the last image.
     """
 
-    best: Candidate
+    best: L
     wrong_probability: float
     margin: float
     light: float
@@ -152,7 +180,7 @@ class Verdict:
     other: RigidTransform | None
 
 
-class Rivals:
+class Rivals(Generic[L]):
     """Rivals over some images of one target.
 
     Parameters
@@ -165,7 +193,7 @@ class Rivals:
 
     def __init__(self, looking: UnderSun, options: RivalOptions, belief: Belief) -> None:
         self._looking, self._options, self._belief = looking, options, belief
-        self.carried: list[Rival] = []
+        self.carried: list[Rival[L]] = []
         self._weight = 0.0
         self._worst = 0.0
 
@@ -180,14 +208,14 @@ class Rivals:
         """
         return tuple(rival.foreseen(time_s) for rival in self.carried[:most])
 
-    def add(self, time_s: float, candidates: tuple[Candidate, ...]) -> Verdict:
+    def add(self, time_s: float, candidates: tuple[L, ...]) -> Verdict[L]:
         """Take an image's candidates.
 
         Parameters
         ----------
         time_s : float, s
             Later than before.
-        candidates : tuple of Candidate
+        candidates : tuple of Laid
             One or more.
         """
         weight = self._weight_of(time_s, candidates)
@@ -197,7 +225,7 @@ class Rivals:
         self.carried = sorted(grown, key=lambda rival: -rival.score)[: self._options.most_rivals]
         return self._verdict()
 
-    def _weight_of(self, time_s: float, candidates: tuple[Candidate, ...]) -> float:
+    def _weight_of(self, time_s: float, candidates: tuple[L, ...]) -> float:
         """Return what an image counts: little, if it shows the best rivals from where they were."""
         if not self.carried:
             return 1.0
@@ -205,7 +233,7 @@ class Rivals:
         share = min(1.0, turn / self._options.another_view_deg)
         return max(self._options.least_weight, share)
 
-    def _grown(self, time_s: float, candidate: Candidate, weight: float) -> Rival:
+    def _grown(self, time_s: float, candidate: L, weight: float) -> Rival[L]:
         """Return the best motion that ends in a candidate."""
         before = [rival for rival in self.carried if self._goes_on(rival, time_s, candidate.pose)]
         if not before:  # it explains nothing of the images before, as the worst of them did
@@ -215,7 +243,7 @@ class Rivals:
         return self._with(best, time_s, candidate, weight)
 
     @staticmethod
-    def _with(rival: Rival, time_s: float, candidate: Candidate, weight: float) -> Rival:
+    def _with(rival: Rival[L], time_s: float, candidate: L, weight: float) -> Rival[L]:
         return Rival(
             times_s=(*rival.times_s, time_s),
             poses=(*rival.poses, candidate.pose),
@@ -227,7 +255,7 @@ class Rivals:
             steps=rival.steps + weight * candidate.steps,
         )
 
-    def _goes_on(self, rival: Rival, time_s: float, pose: RigidTransform) -> bool:
+    def _goes_on(self, rival: Rival[L], time_s: float, pose: RigidTransform) -> bool:
         options, last = self._options, rival.poses[-1]
         away = float(np.linalg.norm(pose.translation - last.translation))
         if away > options.moved_share * last.translation[2]:
@@ -240,7 +268,7 @@ class Rivals:
         off = _turn_deg(rival.foreseen(time_s), pose)
         return off <= options.slack_deg + options.steady_share * turn
 
-    def _verdict(self) -> Verdict:
+    def _verdict(self) -> Verdict[L]:
         best = self.carried[0]
         others = [
             rival

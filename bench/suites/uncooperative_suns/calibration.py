@@ -11,6 +11,7 @@ regression of the one on the other is the belief.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -24,6 +25,7 @@ from tyro.conf import Positional
 from bench.scoring.tumble.navigation_errors import symmetric_attitude_deg
 from bench.suites.spread import do_units
 from bench.suites.uncooperative_suns.cases import (
+    IMAGES,
     SUN_SIGMA_DEG,
     SUNS,
     MotionTask,
@@ -37,12 +39,19 @@ from bench.suites.uncooperative_suns.starts import frames_unit
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.arrays import Floats, Mask
 from models.errors import DatasetError
-from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals
-from pipelines.acquisition.under_sun import UnderSun, UnderSunOptions
+from models.pose import RigidTransform
+from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Verdict
+from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
+from pipelines.acquisition.under_sun import (
+    SIGMAS_OF_FITNESS,
+    UnderSun,
+    UnderSunOptions,
+    make_views,
+)
 
 PRIOR_WEIGHT = 0.05  # of the squares of the regression's weights: few starts fix none sharply
 START_S = 12.0
-COLUMNS = ("margin", "light", "steps")
+FITS = ("fitness", "preferred", "light", "steps", "range_sigma")  # of a candidate
 
 
 @dataclass(frozen=True)
@@ -69,7 +78,7 @@ class EvidenceTask:
 
 
 def evidence(task: EvidenceTask, frames: str) -> Outcome:
-    """Note the evidence of every start's best rival, image by image.
+    """Note what every start saw, image by image, claiming nothing.
 
     Parameters
     ----------
@@ -80,36 +89,117 @@ def evidence(task: EvidenceTask, frames: str) -> Outcome:
     Returns
     -------
     Outcome
-        ``margin``, ``light``, ``steps``, ``wrong`` (k, images); NaN where there was no rival.
+        ``pose`` (k, images, finalists, 3, 4) and ``fits`` (k, images, finalists, 5), the numbers of
+        ``Noted``: NaN where there was no candidate. Seconds of one core, by start.
     """
     motion, place = task.motion, Path(frames)
     shown = done_outcome(place.parents[1], frames_unit(motion, place.parent.name)).values
     camera, detector, wireframe = known_of(motion)
     drawn = draw_motion(motion, camera, wireframe.radius_m)
-    looking = UnderSun(wireframe, camera, detector, UnderSunOptions())
-    names = (*COLUMNS, "wrong")
-    values = {name: np.full((SUNS, task.images), np.nan) for name in names}
+    options = UnderSunOptions()
+    make_views(wireframe, options)
+    silent = SunlitStartOptions(rivals=RivalOptions(most_wrong=-1.0))
+    shape = (SUNS, task.images, options.finalists)
+    poses, fits = np.full((*shape, 3, 4), np.nan), np.full((*shape, len(FITS)), np.nan)
+    seconds = np.zeros(SUNS)
     for number in range(SUNS):
         sun = told_sun(motion, number, drawn.suns_in_inertial[number], task.sun_sigma_deg)
-        rivals = Rivals(looking, RivalOptions(), Belief())
+        start = SunlitStart(UnderSun(wireframe, camera, detector, options), silent)
+        began = time.process_time()
         for image in range(task.images):
-            time_s, truth = float(drawn.times_s[image]), drawn.poses[image]
-            pixels = shown["images"][number, image]
             sun_in_cam = drawn.cam_from_inertial(image) @ sun
-            looked = looking.look(pixels, sun_in_cam, rivals.foreseen(time_s))
-            if not looked.candidates:
+            time_s = float(drawn.times_s[image])
+            said = start.take(shown["images"][number, image], time_s, sun_in_cam)
+            for k, one in enumerate(said.candidates):
+                poses[number, image, k] = one.pose.matrix()[:3]
+                fits[number, image, k] = [getattr(one, name) for name in FITS]
+            if said.over:
+                break
+        seconds[number] = time.process_time() - began
+    return Outcome({"pose": poses, "fits": fits}, seconds)
+
+
+@dataclass(frozen=True, eq=False)
+class Noted:
+    """A candidate as it was noted; see ``pipelines.acquisition.under_sun.Candidate``."""
+
+    pose: RigidTransform
+    fitness: float
+    preferred: float
+    light: float
+    steps: float
+    range_sigma: float
+
+    @property
+    def score(self) -> float:
+        """How it fits, as a candidate has it."""
+        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
+
+
+def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> list[Row]:
+    """Carry the rivals of noted starts on anew.
+
+    Parameters
+    ----------
+    unit : WorkUnit
+        That noted them.
+    outcome : Outcome
+    belief : Belief, optional
+
+    Returns
+    -------
+    list of Row
+        One for each image that had candidates.
+    """
+    motion: MotionTask = unit.task.motion
+    camera, detector, wireframe = known_of(motion)
+    drawn = draw_motion(motion, camera, wireframe.radius_m)
+    looking = UnderSun(wireframe, camera, detector, UnderSunOptions())
+    rows = []
+    for number in range(SUNS):
+        rivals = Rivals(looking, RivalOptions(), belief or Belief())
+        for image in range(unit.task.images):
+            own = [
+                Noted(RigidTransform(pose[:, :3], pose[:, 3]), *fit)
+                for pose, fit in zip(
+                    outcome.values["pose"][number, image],
+                    outcome.values["fits"][number, image].tolist(),
+                    strict=True,
+                )
+                if np.isfinite(fit[0])
+            ]
+            if not own:
                 continue
-            verdict = rivals.add(time_s, looked.candidates)
-            pose = verdict.best.pose
+            verdict = rivals.add(float(drawn.times_s[image]), tuple(own))
+            pose, truth = verdict.best.pose, drawn.poses[image]
             off = np.linalg.norm(pose.translation - truth.translation)
             turn_deg = symmetric_attitude_deg(pose, truth, wireframe.symmetries)
-            values["margin"][number, image] = verdict.margin
-            values["light"][number, image] = verdict.light
-            values["steps"][number, image] = verdict.steps
-            values["wrong"][number, image] = turn_deg > WRONG_DEG or bool(
-                off > WRONG_SHARE * np.linalg.norm(truth.translation)
-            )
-    return Outcome(values, np.zeros(0))
+            wrong = turn_deg > WRONG_DEG or off > WRONG_SHARE * np.linalg.norm(truth.translation)
+            start = (motion.target, motion.number, number)
+            rows.append(Row(start, image, verdict, turn_deg, bool(wrong)))
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What one image of one start came to.
+
+    Attributes
+    ----------
+    start : (str, int, int)
+        Target, motion and Sun.
+    image : int
+    verdict : Verdict
+    turn_deg : float, deg
+        Between its best pose and the true one.
+    wrong : bool
+    """
+
+    start: tuple[str, int, int]
+    image: int
+    verdict: Verdict
+    turn_deg: float
+    wrong: bool
 
 
 def fitted(margin: Floats, light: Floats, steps: Floats, wrong: Mask) -> Belief:
@@ -163,7 +253,7 @@ def calibrate(
     ),
     runs: int = 48,
     seed: int = 100,
-    images: int = 3,
+    images: int = IMAGES,
     workers: int = 1,
 ) -> None:
     """Render what is missing, note the evidence and print the belief that it gives.
