@@ -11,13 +11,13 @@ from pipelines.acquisition.image_part import cut_out
 from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_light
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.acquisition.under_sun import Looked, UnderSun, UnderSunOptions
+from pipelines.acquisition.under_sun import Effort, Looked, UnderSun, UnderSunOptions
 from pipelines.detection.target_region import find_target
 from tests.support.drawn_targets import CAMERA, DETECTOR, drawn, target
 
 WIREFRAME = target()
 CLOUD = surface_cloud(WIREFRAME)
-OPTIONS = UnderSunOptions(directions=250, views=24, laid=8, twinned=1)
+OPTIONS = UnderSunOptions(directions=250, anew=Effort(24, 16, 8, 1, 1))
 SUNS = ((-0.55, -0.35, -0.76), (0.9, 0.1, -0.42))  # behind the camera, and beside it
 RIGHT_DEG = 3.0
 RADIUS_PX = 85.0  # of the target in these images, about
