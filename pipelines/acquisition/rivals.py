@@ -14,11 +14,12 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from models.arrays import Floats
 from models.pose import RigidTransform
 from pipelines.acquisition.under_sun import UnderSun
 
 ALONE_SIGMAS = 4.0  # what a sole candidate of an image leads by
-MOST_SIGMAS = 5.0  # a larger lead is no surer: it says that others are bad, not that this is right
+RANGE_SIGMA, RANGE_SIGMAS = 0.01, (1e-4, 1.0)
 
 
 class Laid(Protocol):
@@ -83,39 +84,68 @@ class RivalOptions:
 
 
 @dataclass(frozen=True)
-class Belief:
-    """Log-odds that the best rival is wrong: a sum of what speaks for it and against.
-
-    Weights of ``bench.suites.uncooperative_suns.calibration``, on 32 images of 16 starts alone, and
-    therefore rounded to the careful side.
+class Standing:
+    """What speaks for the best rival.
 
     Attributes
     ----------
-    constant, by_margin, by_light, by_steps : float
-        Weights of 1, of the best rival's lead over the next, and of its mean shares explained.
+    lead : float
+        Weighted score by which it leads over the next that is another pose.
+    light, steps : float
+        Means over its images of the shares that it explains.
+    range_sigma : float
+        Of its last pose; see ``Laid``.
+    """
+
+    lead: float
+    light: float
+    steps: float
+    range_sigma: float
+
+
+@dataclass(frozen=True)
+class Belief:
+    """Log-odds that the best rival is wrong: a sum of what speaks for it and against.
+
+    Weights of ``bench.suites.uncooperative_suns.calibration``.
+
+    Attributes
+    ----------
+    constant, by_lead, by_light, by_steps, by_range : float
+        Weights of 1, of the lead, of the shares explained, and of the decimal logarithm of the
+        range's sigma over 1 %.
+    most_lead : float
+        A larger lead is no surer: it says that others are bad, not that this is right.
     least : float
         No claim is told to be surer: so few were counted.
     """
 
     constant: float = 4.0
-    by_margin: float = -0.8
+    by_lead: float = -0.8
     by_light: float = -2.0
     by_steps: float = -5.0
+    by_range: float = 0.0
+    most_lead: float = 5.0
     least: float = 2e-3
 
-    def wrong_probability(self, margin: float, light: float, steps: float) -> float:
-        """Return the probability that the best rival is wrong.
+    def terms(self, standing: Standing) -> Floats:
+        """Return what the weights multiply, (5,): 1 first."""
+        sigma = float(np.clip(standing.range_sigma, *RANGE_SIGMAS))
+        return np.array(
+            [
+                1.0,
+                min(standing.lead, self.most_lead),
+                standing.light,
+                standing.steps,
+                np.log10(sigma / RANGE_SIGMA),
+            ]
+        )
 
-        Parameters
-        ----------
-        margin : float
-            Weighted score that it leads by.
-        light, steps : float
-            Means over its images.
-        """
-        odds = self.constant + self.by_margin * margin + self.by_light * light
-        odds += self.by_steps * steps
-        return max(float(1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))), self.least)
+    def wrong_probability(self, standing: Standing) -> float:
+        """Return the probability that the best rival is wrong."""
+        weights = [self.constant, self.by_lead, self.by_light, self.by_steps, self.by_range]
+        odds = float(np.clip(self.terms(standing) @ weights, -50.0, 50.0))
+        return max(1.0 / (1.0 + float(np.exp(-odds))), self.least)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,19 +194,15 @@ class Verdict(Generic[L]):
     ----------
     best : Laid
     wrong_probability : float
-    margin : float
-        Weighted score by which the best rival leads.
-    light, steps : float
-        Means over its images.
+    standing : Standing
+        Of the best.
     other : RigidTransform or None
         The next one's pose in the last image.
     """
 
     best: L
     wrong_probability: float
-    margin: float
-    light: float
-    steps: float
+    standing: Standing
     other: RigidTransform | None
 
 
@@ -276,11 +302,11 @@ class Rivals(Generic[L]):
             if not self._looking.same(rival.poses[-1], best.poses[-1])
         ]
         lead = best.score - others[0].score if others else ALONE_SIGMAS * best.weight
-        margin = min(lead, MOST_SIGMAS)
-        light, steps = best.light / best.explained, best.steps / best.explained
-        wrong = self._belief.wrong_probability(margin, light, steps)
-        other = others[0].poses[-1] if others else None
-        return Verdict(best.last, wrong, margin, light, steps, other)
+        standing = Standing(
+            lead, best.light / best.explained, best.steps / best.explained, best.last.range_sigma
+        )
+        wrong = self._belief.wrong_probability(standing)
+        return Verdict(best.last, wrong, standing, others[0].poses[-1] if others else None)
 
 
 def _turn_deg(pose: RigidTransform, other: RigidTransform) -> float:

@@ -124,14 +124,14 @@ class SunlitStart:
 
 
 def _doubt(verdict: Verdict) -> str:
-    best = verdict.best
+    best, standing = verdict.best, verdict.standing
     told = (
         f"the best pose may be wrong, with a probability of {verdict.wrong_probability:.2g}: it "
-        f"explains {100.0 * best.light:.0f} % of the light and {100.0 * best.steps:.0f} % of the "
-        "edges due"
+        f"explains {100.0 * standing.light:.0f} % of the light and "
+        f"{100.0 * standing.steps:.0f} % of the edges due"
     )
     if verdict.other is None:
         return told
     turn = Rotation.from_matrix(best.pose.rotation.T @ verdict.other.rotation)
     away_deg = np.rad2deg(turn.magnitude())
-    return f"{told}, and leads by {verdict.margin:.3f} over one {away_deg:.0f} deg away"
+    return f"{told}, and leads by {standing.lead:.1f sigmas} over one {away_deg:.0f} deg away"
