@@ -82,7 +82,7 @@ class SunlitStart:
 
     def __init__(self, looking: UnderSun, options: SunlitStartOptions) -> None:
         self._looking, self._options = looking, options
-        self._rivals = Rivals(looking, options.rivals, options.belief)
+        self._rivals: Rivals[Candidate] = Rivals(looking, options.rivals, options.belief)
         self._work, self._wrong = 0.0, 1.0
         self.last_s = -np.inf
 
@@ -123,7 +123,7 @@ class SunlitStart:
         )
 
 
-def _doubt(verdict: Verdict) -> str:
+def _doubt(verdict: Verdict[Candidate]) -> str:
     best, standing = verdict.best, verdict.standing
     told = (
         f"the best pose may be wrong, with a probability of {verdict.wrong_probability:.2g}: it "

@@ -163,7 +163,7 @@ def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> 
     looking = UnderSun(wireframe, camera, detector, UnderSunOptions())
     rows = []
     for number in range(SUNS):
-        rivals = Rivals(looking, RivalOptions(), belief or Belief())
+        rivals: Rivals[Noted] = Rivals(looking, RivalOptions(), belief or Belief())
         for image in range(unit.task.images):
             own = [
                 Noted(RigidTransform(pose[:, :3], pose[:, 3]), *fit)

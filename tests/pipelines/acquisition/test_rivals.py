@@ -29,7 +29,7 @@ def candidate(turned_deg: float, light: float, twin: bool = False) -> Candidate:
     return Candidate(fit, NO_FIT, light, steps=0.9, shading=0.4, told=None)  # type: ignore[arg-type]
 
 
-def rivals() -> Rivals:
+def rivals() -> Rivals[Candidate]:
     return Rivals(LOOKING, RivalOptions(), Belief())
 
 
