@@ -134,4 +134,4 @@ def _doubt(verdict: Verdict[Candidate]) -> str:
         return told
     turn = Rotation.from_matrix(best.pose.rotation.T @ verdict.other.rotation)
     away_deg = np.rad2deg(turn.magnitude())
-    return f"{told}, and leads by {standing.lead:.1f sigmas} over one {away_deg:.0f} deg away"
+    return f"{told}, and leads by {standing.lead:.1f} sigmas over one {away_deg:.0f} deg away"

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -27,7 +28,7 @@ from bench.suites.spread import do_units
 from bench.suites.uncooperative_suns.cases import IMAGES
 from bench.suites.uncooperative_suns.evidence import Row, evidence_units, replayed
 from bench.suites.uncooperative_suns.plan import TARGETS, Plan, Sizes
-from bench.suites.uncooperative_suns.results import interval
+from bench.suites.uncooperative_suns.results import DOUBT_EDGES, interval
 from bench.suites.units import done_outcome
 from models.arrays import Floats, Mask
 from models.errors import DatasetError
@@ -129,7 +130,32 @@ def account(rows: Sequence[Row]) -> str:
         lines.append(
             f"below {most:g}: {count} starts claimed, {wrong} wrong, 95 % {low:.3f} to {high:.3f}"
         )
-    return "\n".join(lines)
+    return "\n".join([*lines, *reliability(rows, told)])
+
+
+def reliability(rows: Sequence[Row], told: Floats) -> list[str]:
+    """Hold what was told of each start's last image against what was wrong, by bins, in words.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        Images of a start in order.
+    told : (n,) array
+        Probabilities that each is wrong.
+    """
+    last = {row.start: place for place, row in enumerate(rows)}
+    places = np.array(list(last.values()))
+    doubts, wrong = told[places], np.array([rows[place].wrong for place in places])
+    lines = []
+    for least, most in pairwise(DOUBT_EDGES):
+        own = (doubts >= least) & (doubts < most)
+        if own.any():
+            low, high = interval(int(wrong[own].sum()), int(own.sum()))
+            lines.append(
+                f"told {least:g} to {most:g}, {doubts[own].mean():.3f} in the mean: "
+                f"{int(wrong[own].sum())} of {int(own.sum())} wrong, 95 % {low:.3f} to {high:.3f}"
+            )
+    return lines
 
 
 def calibrate(

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from models.pose import RigidTransform
 from pipelines.acquisition.image_part import cut_out
 from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_light
+from pipelines.acquisition.rivals import RivalOptions
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.surface_cloud import surface_cloud
 from pipelines.acquisition.under_sun import Effort, Looked, UnderSun, UnderSunOptions
@@ -116,3 +117,14 @@ def test_a_start_ends_when_its_work_is_spent(looking: UnderSun) -> None:
     assert answer.pose is None
     assert answer.over
     assert "may cost" in answer.reason
+
+
+def test_a_start_that_is_not_sure_says_why(looking: UnderSun) -> None:
+    """What it explains, and the rival that it leads over: none is sure enough here."""
+    never = SunlitStartOptions(rivals=RivalOptions(most_wrong=-1.0))
+    answer = SunlitStart(looking, never).take(frame_of(1, 0), 0.0, np.array(SUNS[0]))
+    assert answer.pose is None
+    assert not answer.over
+    assert answer.candidates
+    assert "% of the light" in answer.reason
+    assert "sigmas over one" in answer.reason
