@@ -74,7 +74,7 @@ class RivalOptions:
     """
 
     fastest_deg_s: float = 4.0
-    slack_deg: float = 4.0
+    slack_deg: float = 8.0
     steady_share: float = 0.3
     moved_share: float = 0.05
     another_view_deg: float = 10.0

@@ -28,18 +28,20 @@ class SunlitStartOptions:
     most_work : float
         In fits: an image that would begin beyond it is not looked at. A core of 2020 does 37 a
         second.
-    trusted : float
-        Probability of being wrong below which the best rival is followed, and little else tried;
+    followed, least_followed : float
+        A rival that goes on to where it explains this share of the light that it did before, and
+        did that much, is followed, and little else is tried;
     work_anew : float
-        so it is after that many fits whatever it is.
+        so it is after that many fits whatever it explains.
     longest_gap_s : float, s
         Between images of one start.
     """
 
     rivals: RivalOptions = field(default_factory=RivalOptions)
     belief: Belief = field(default_factory=Belief)
-    most_work: float = 150.0
-    trusted: float = 0.5
+    most_work: float = 170.0
+    followed: float = 0.85
+    least_followed: float = 0.5
     work_anew: float = 100.0
     longest_gap_s: float = 60.0
 
@@ -83,7 +85,7 @@ class SunlitStart:
     def __init__(self, looking: UnderSun, options: SunlitStartOptions) -> None:
         self._looking, self._options = looking, options
         self._rivals: Rivals[Candidate] = Rivals(looking, options.rivals, options.belief)
-        self._work, self._wrong = 0.0, 1.0
+        self._work, self._enough = 0.0, np.inf
         self.last_s = -np.inf
 
     def take(self, image: Image, time_s: float, sun_in_cam: Floats) -> StartAnswer:
@@ -103,15 +105,15 @@ class SunlitStart:
             reason = f"no pose within {self._options.most_work:.0f} fits, which a start may cost"
             return StartAnswer(None, reason, 1.0, None, over=True)
         options = self._options
-        quick = self._wrong < options.trusted or self._work > options.work_anew
-        foreseen = self._rivals.foreseen(time_s)
-        looked = self._looking.look(image, sun_in_cam, foreseen, quick and bool(foreseen))
+        enough = -np.inf if self._work > options.work_anew else self._enough
+        looked = self._looking.look(image, sun_in_cam, self._rivals.foreseen(time_s), enough)
         self._work += looked.work
         self.last_s = time_s
         if not looked.candidates:
             return StartAnswer(None, looked.reason, 1.0, looked.image, over=False)
         verdict = self._rivals.add(time_s, looked.candidates)
-        self._wrong = wrong = verdict.wrong_probability
+        wrong, light = verdict.wrong_probability, verdict.best.light
+        self._enough = options.followed * light if light > options.least_followed else np.inf
         claimed = wrong <= options.rivals.most_wrong
         return StartAnswer(
             pose=verdict.best if claimed else None,

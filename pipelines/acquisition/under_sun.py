@@ -242,7 +242,7 @@ class UnderSun:
         image: Image,
         sun_in_cam: Floats,
         expected: tuple[RigidTransform, ...] = (),
-        quick: bool = False,
+        enough: float = np.inf,
     ) -> Looked:
         """Return the poses that an image allows.
 
@@ -253,14 +253,18 @@ class UnderSun:
             Unit vector towards the Sun.
         expected : tuple of RigidTransform
             Poses to be tried beside those of the search.
-        quick : bool
-            Whether they are trusted, so that little else is tried.
+        enough : float
+            Share of the light with which one of them is followed, and little else tried.
         """
         options = self._options
-        effort = options.quick if quick else options.anew
         cut = cut_out(image, self._camera, self._detector, options.fine_width)
         if not cut.target:
             return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
+        effort = options.anew
+        if expected:
+            light = image_light(cut.target, self._radius_px(cut, expected[0]))
+            shares = [self._light(cut, light, pose, sun_in_cam) for pose in expected]
+            effort = options.quick if max(shares) >= enough else options.anew
         rung = NEAR_RADII if lit_extent_rad(cut) > NEAR_BEYOND else FAR_RADII
         seen = seen_views(self._wireframe, rung, options.directions)
         phase, work = phase_rad(cut, sun_in_cam), SEARCH_WORK
