@@ -110,8 +110,8 @@ class Row:
 
     Attributes
     ----------
-    start : (str, int, int)
-        Target, motion and Sun.
+    start : (str, int, int, int)
+        Target, seed, motion and Sun.
     image : int
     standing : Standing
         Of the best rival.
@@ -119,7 +119,7 @@ class Row:
         Whether its pose is.
     """
 
-    start: tuple[str, int, int]
+    start: tuple[str, int, int, int]
     image: int
     standing: Standing
     wrong: bool
@@ -181,7 +181,7 @@ def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> 
             off = np.linalg.norm(pose.translation - truth.translation)
             turn_deg = symmetric_attitude_deg(pose, truth, wireframe.symmetries)
             wrong = turn_deg > WRONG_DEG or off > WRONG_SHARE * np.linalg.norm(truth.translation)
-            start = (motion.target, motion.number, number)
+            start = (motion.target, motion.seed, motion.number, number)
             rows.append(Row(start, image, verdict.standing, bool(wrong)))
     return rows
 
