@@ -108,8 +108,8 @@ class Standing:
 class Belief:
     """Log-odds that the best rival is wrong: a sum of what speaks for it and against.
 
-    Weights of ``bench.suites.uncooperative_suns.calibration`` on 648 images of 216 starts of XMM and
-    Hispasat (1024 px, seeds 1 and 20).
+    Weights of ``bench.suites.uncooperative_suns.calibration`` on 648 images of 216 starts of XMM
+    and Hispasat (1024 px, seeds 1 and 20).
 
     Attributes
     ----------
