@@ -23,7 +23,7 @@ RANGE_SIGMA, RANGE_SIGMAS = 0.01, (1e-4, 1.0)
 
 
 class Laid(Protocol):
-    """What rivals take of a candidate; see ``pipelines.acquisition.under_sun.Candidate``."""
+    """What rivals take of a candidate; see ``pipelines.acquisition.candidate.Candidate``."""
 
     @property
     def pose(self) -> RigidTransform:

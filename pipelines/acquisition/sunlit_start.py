@@ -12,8 +12,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats, Image
+from pipelines.acquisition.candidate import Candidate
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Verdict
-from pipelines.acquisition.under_sun import Candidate, UnderSun
+from pipelines.acquisition.under_sun import UnderSun
 from pipelines.tracking.edge_fit import EdgeImage
 
 

@@ -8,7 +8,7 @@ into the next image (``pipelines.acquisition.rivals``).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.candidate import Candidate
 from pipelines.acquisition.image_part import cut_out, lit_extent_rad, phase_rad
 from pipelines.acquisition.light_likelihood import (
     ImageLight,
@@ -39,15 +40,15 @@ from pipelines.acquisition.sunlit_views import (
     sunlit_views,
 )
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, search_steps
+from pipelines.acquisition.under_sun_options import UnderSunOptions
+from pipelines.tracking.edge_fit import EdgeImage, fit_edges, search_steps
 from pipelines.tracking.model_edges import ModelEdges
-from pipelines.tracking.pose_check import PoseCheck, check_pose
+from pipelines.tracking.pose_check import check_pose
 
 NEAR_RADII, FAR_RADII = 3.5, 6.0  # ranges from which views are made, for their perspective
 NEAR_BEYOND = 0.43  # of the range: what shines is wider across only of a near target
 RANGE_SLACK = 1.25  # beyond the coarse range that is known
 PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
-SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light prefers
 NEAR_PX = 2.0  # an edge this near to its step is found,
 SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
 THIN_POINTS, ROUGH_CELLS = 5_000, 2.0  # of a cloud for cells so much larger
@@ -56,115 +57,6 @@ POLISHED_REACH_PX = 5.0
 POLISH_WORK = 1.2
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
 TEMPLATE_WORK, SEARCH_WORK, PLACE_WORK, LIGHT_WORK, FIT_WORK = 14.0, 6.0, 0.05, 0.15, 1.0  # in fits
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How many poses of one image are tried.
-
-    Attributes
-    ----------
-    views : int
-        How many of the likeliest under the Sun, and as many under an even light, are placed,
-    held : int
-        how many of the best placed are held against the light,
-    laid : int
-        how many of these are laid on the edges,
-    twinned : int
-        and of how many of these the twins are tried.
-    polished : int
-        How many of all of these are moved to where the light is likeliest, and laid anew: a small
-        target's edges fit poses some degrees apart alike.
-    """
-
-    views: int = 90
-    held: int = 40
-    laid: int = 12
-    twinned: int = 2
-    polished: int = 4
-
-
-@dataclass(frozen=True)
-class UnderSunOptions:
-    """How thoroughly to look.
-
-    Attributes
-    ----------
-    fine_width : int, px
-        Images wider than this are reduced.
-    directions : int
-        From how many the target is seen, before the first image.
-    anew, quick : Effort
-        Without a motion that images before allow, and with one.
-    finalists : int
-        How many poses are kept of an image.
-    apart_deg, apart_share : float
-        Poses further apart than this, or than this share of the range, are different.
-    least_radius_px : float, px
-        A target that seems smaller is not looked for.
-    """
-
-    fine_width: int = 1024
-    directions: int = 500
-    anew: Effort = field(default_factory=Effort)
-    quick: Effort = field(default_factory=lambda: Effort(30, 16, 4, 1, 2))
-    finalists: int = 6
-    apart_deg: float = 8.0
-    apart_share: float = 0.05
-    least_radius_px: float = 12.0
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A pose laid on an image, and how it fits.
-
-    Attributes
-    ----------
-    fit : EdgeFit
-    check : PoseCheck
-    light : float
-        Share of the image's light that it explains; see ``light_likelihood``.
-    steps : float
-        Share found of the steps in brightness that are due, each counted by how near it is.
-    shading : float
-        Correlation of its brightness with the Sun's cosine.
-    told : ToldLight
-        What it says of the light.
-    preferred : float
-        How clearly the light prefers it to the best fit of the image, in sigmas.
-    """
-
-    fit: EdgeFit
-    check: PoseCheck
-    light: float
-    steps: float
-    shading: float
-    told: ToldLight
-    preferred: float = 0.0
-
-    @property
-    def pose(self) -> RigidTransform:
-        """``cam_from_target``."""
-        return self.fit.cam_from_target
-
-    @property
-    def fitness(self) -> float:
-        """How it fits by itself, in one number; a perfect fit has about 1.7."""
-        return self.light + 0.5 * self.steps + 0.25 * self.check.score + 0.2 * self.shading
-
-    @property
-    def range_sigma(self) -> float:
-        """Of the range, by the edges alone and each for itself, as a share of it."""
-        try:
-            covariance = np.linalg.inv(self.fit.information)
-        except np.linalg.LinAlgError:
-            return 1.0
-        return float(np.sqrt(max(covariance[5, 5], 0.0)) / self.pose.translation[2])
-
-    @property
-    def score(self) -> float:
-        """How it fits, and how it stands to the image's best fit, in sigmas."""
-        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,14 +26,11 @@ from bench.suites.uncooperative_suns.results import WRONG_DEG, WRONG_SHARE
 from bench.suites.uncooperative_suns.starts import frames_unit
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.pose import RigidTransform
+from pipelines.acquisition.candidate import SIGMAS_OF_FITNESS
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Standing
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
-from pipelines.acquisition.under_sun import (
-    SIGMAS_OF_FITNESS,
-    UnderSun,
-    UnderSunOptions,
-    make_views,
-)
+from pipelines.acquisition.under_sun import UnderSun, make_views
+from pipelines.acquisition.under_sun_options import UnderSunOptions
 
 START_S = 6.0
 FITS = ("fitness", "preferred", "light", "steps", "range_sigma")  # of a candidate
@@ -127,7 +124,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Noted:
-    """A candidate as it was noted; see ``pipelines.acquisition.under_sun.Candidate``."""
+    """A candidate as it was noted; see ``pipelines.acquisition.candidate.Candidate``."""
 
     pose: RigidTransform
     fitness: float

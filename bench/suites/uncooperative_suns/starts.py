@@ -13,7 +13,8 @@ from bench.suites.uncooperative_suns.frames import known_of, render_motion
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.motion.tumble import CAM_FROM_LVLH
 from models.onboard import FlightExpectations, OnboardKnowledge
-from pipelines.acquisition.under_sun import UnderSunOptions, make_views
+from pipelines.acquisition.under_sun import make_views
+from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.registry import registered_pipeline
 from pipelines.uncooperative.knowledge import image_frame
 

@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform
+from pipelines.acquisition.candidate import Candidate
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Standing
-from pipelines.acquisition.under_sun import Candidate, UnderSun, UnderSunOptions
+from pipelines.acquisition.under_sun import UnderSun
+from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.tracking.edge_fit import EdgeFit
 from pipelines.tracking.pose_check import NO_FIT
 from tests.support.drawn_targets import CAMERA, DETECTOR, target

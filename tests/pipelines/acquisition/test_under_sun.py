@@ -12,7 +12,8 @@ from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_
 from pipelines.acquisition.rivals import RivalOptions
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.acquisition.under_sun import Effort, Looked, UnderSun, UnderSunOptions
+from pipelines.acquisition.under_sun import Looked, UnderSun
+from pipelines.acquisition.under_sun_options import Effort, UnderSunOptions
 from pipelines.detection.target_region import find_target
 from tests.support.drawn_targets import CAMERA, DETECTOR, drawn, target
 
