@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
-from models.arrays import Floats, Image
+from models.arrays import Floats, Image, Mask
 from models.camera import Camera
 from models.sensors.camera_chip import Detector
 from pipelines.acquisition.from_image import reduced
@@ -15,6 +16,8 @@ from pipelines.detection.target_region import TargetRegion, find_target
 from pipelines.tracking.edge_fit import EdgeImage
 
 MARGIN_SHARE, MARGIN_PX = 0.8, 24  # of the lit part's size, that is kept round it
+BLUR_SHARE, BLUR_PX = 0.03, 5  # dimmer by so much than what is so near (a window) may be its blur
+OWN_SIGMAS = 1.0  # of the sky, above which a pixel and its neighbours shine in the mean
 
 
 def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int) -> EdgeImage:
@@ -37,7 +40,8 @@ def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int)
     target = find_target(pixels, detector)
     if not target:
         return EdgeImage(target, find_edges(target, detector), small)
-    row, column = np.nonzero(target.lit)
+    lit = _without_blur(target)
+    row, column = np.nonzero(lit)
     margin = int(MARGIN_SHARE * max(np.ptp(row), np.ptp(column))) + MARGIN_PX
     top, left = max(0, int(row.min()) - margin), max(0, int(column.min()) - margin)
     rows = slice(top, int(row.max()) + margin + 1)
@@ -45,7 +49,7 @@ def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int)
     part = TargetRegion(
         np.ascontiguousarray(target.signal[rows, columns]),
         np.ascontiguousarray(target.stretched[rows, columns]),
-        np.ascontiguousarray(target.lit[rows, columns]),
+        np.ascontiguousarray(lit[rows, columns]),
         target.sky_sigma_dn,
         target.knee_dn,
         target.saturated,
@@ -53,6 +57,18 @@ def cut_out(image: Image, camera: Camera, detector: Detector | None, width: int)
     height, width = part.signal.shape
     own = replace(small, width=width, height=height, cx=small.cx - left, cy=small.cy - top)
     return EdgeImage(part, find_edges(part, detector), own)
+
+
+def _without_blur(target: TargetRegion) -> Mask:
+    """Return what is lit without what only lies beside what is bright; all of it if none is left.
+
+    The smoothing that finds faint faces among noise puts a rim of four pixels round bright ones,
+    which is most of a small target.
+    """
+    own = cv2.blur(target.signal, (3, 3)) > OWN_SIGMAS * target.sky_sigma_dn
+    nearby = cv2.dilate(target.signal, np.ones((BLUR_PX, BLUR_PX), np.uint8))
+    kept = np.asarray(target.lit & own & (target.signal > BLUR_SHARE * nearby))
+    return kept if kept.any() else target.lit
 
 
 def lit_extent_rad(cut: EdgeImage) -> float:

@@ -60,6 +60,8 @@ class SeenViews:
         Directions for which sunlight is known.
     light : (s, n) float32 array
         See ``surface_cloud.sunlight``.
+    first : (v + 1,) array of int
+        Where each view's cells begin among all.
     """
 
     rotations: Floats
@@ -70,6 +72,7 @@ class SeenViews:
     towards: Floats
     suns: Floats
     light: Radiance
+    first: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +136,20 @@ def seen_views(wireframe: Wireframe, range_radii: float, count: int) -> SeenView
         towards=np.concatenate(towards),
         suns=suns,
         light=np.array([sunlight(cloud, sun) for sun in suns], dtype=np.float32),
+        first=np.cumsum([0, *(len(own) for own in points)]),
     )
+
+
+@lru_cache(maxsize=4)
+def even_views(seen: SeenViews) -> SunlitViews:
+    """Return views that shine evenly all over, as the Earth lights them; kept in memory.
+
+    Parameters
+    ----------
+    seen : SeenViews
+    """
+    flat, centre, gyration = _pictures(seen, np.ones(len(seen.view)))
+    return SunlitViews(0.0, flat[None], centre[None], gyration[None])
 
 
 def sunlit_views(seen: SeenViews, phase_rad: float) -> SunlitViews:
@@ -145,9 +161,7 @@ def sunlit_views(seen: SeenViews, phase_rad: float) -> SunlitViews:
     phase_rad : float, rad
         Between the Sun and the camera, as the target sees them.
     """
-    count = len(seen.rotations)
-    pictures = np.zeros((AZIMUTHS, count, CELLS * CELLS), dtype=np.float32)
-    centroids, gyrations = np.zeros((AZIMUTHS, count, 2)), np.zeros((AZIMUTHS, count))
+    every = []
     for number in range(AZIMUTHS):
         azimuth = 2.0 * np.pi * number / AZIMUTHS
         sun = np.array(
@@ -159,31 +173,39 @@ def sunlit_views(seen: SeenViews, phase_rad: float) -> SunlitViews:
         )
         nearest = np.argmax((seen.rotations.transpose(0, 2, 1) @ sun) @ seen.suns.T, axis=1)
         cosine = seen.light[nearest[seen.view], seen.point] * seen.towards
-        weight = np.where(cosine > 0.0, DIMMEST + (1.0 - DIMMEST) * cosine, 0.0)
-        total = np.bincount(seen.view, weight, count)
-        safe = np.maximum(total, 1e-9)
-        centre = np.stack(
-            [np.bincount(seen.view, weight * seen.places[:, k], count) / safe for k in (0, 1)],
-            axis=1,
+        every.append(
+            _pictures(seen, np.where(cosine > 0.0, DIMMEST + (1.0 - DIMMEST) * cosine, 0.0))
         )
-        away = seen.places - centre[seen.view]
-        square = np.bincount(seen.view, weight * (away**2).sum(axis=1), count) / safe
-        gyration = np.sqrt(np.maximum(square, (0.5 * 2.1 / VIEW_CELLS) ** 2))
-        cell = away / gyration[seen.view][:, None] * (0.5 * CELLS / REACH) + 0.5 * (CELLS - 1)
-        whole = np.rint(cell).astype(np.int64)
-        inside = (whole >= 0).all(axis=1) & (whole < CELLS).all(axis=1) & (weight > 0.0)
-        at = seen.view * CELLS * CELLS + whole[:, 1] * CELLS + whole[:, 0]
-        summed = np.bincount(at[inside], weight[inside], count * CELLS * CELLS)
-        number_of = np.bincount(at[inside], minlength=count * CELLS * CELLS)
-        mean = (summed / np.maximum(number_of, 1)).astype(np.float32)
-        drawn = mean.reshape(count, CELLS, CELLS)
-        for picture in drawn:
-            # Cells finer than the view's own leave holes; the blur closes them.
-            cv2.GaussianBlur(picture, (0, 0), SOFT_CELLS, dst=picture)
-        enough = np.bincount(seen.view, weight > 0.0, count) >= FEWEST_CELLS
-        flat = centred(drawn.reshape(count, -1)) * enough[:, None]
-        pictures[number], centroids[number], gyrations[number] = flat, centre, gyration
+    pictures, centroids, gyrations = (np.array(each) for each in zip(*every, strict=True))
     return SunlitViews(phase_rad, pictures, centroids, gyrations)
+
+
+def _pictures(seen: SeenViews, weight: Floats) -> tuple[Radiance, Floats, Floats]:
+    """Return each view's template, (v, cells * cells), centroid and radius of gyration."""
+    count = len(seen.rotations)
+    total = np.bincount(seen.view, weight, count)
+    safe = np.maximum(total, 1e-9)
+    centre = np.stack(
+        [np.bincount(seen.view, weight * seen.places[:, k], count) / safe for k in (0, 1)],
+        axis=1,
+    )
+    away = seen.places - centre[seen.view]
+    square = np.bincount(seen.view, weight * (away**2).sum(axis=1), count) / safe
+    gyration = np.sqrt(np.maximum(square, (0.5 * 2.1 / VIEW_CELLS) ** 2))
+    cell = away / gyration[seen.view][:, None] * (0.5 * CELLS / REACH) + 0.5 * (CELLS - 1)
+    whole = np.rint(cell).astype(np.int64)
+    inside = (whole >= 0).all(axis=1) & (whole < CELLS).all(axis=1) & (weight > 0.0)
+    at = seen.view * CELLS * CELLS + whole[:, 1] * CELLS + whole[:, 0]
+    summed = np.bincount(at[inside], weight[inside], count * CELLS * CELLS)
+    number_of = np.bincount(at[inside], minlength=count * CELLS * CELLS)
+    mean = (summed / np.maximum(number_of, 1)).astype(np.float32)
+    drawn = mean.reshape(count, CELLS, CELLS)
+    for picture in drawn:
+        # Cells finer than the view's own leave holes; the blur closes them.
+        cv2.GaussianBlur(picture, (0, 0), SOFT_CELLS, dst=picture)
+    enough = np.bincount(seen.view, weight > 0.0, count) >= FEWEST_CELLS
+    flat = centred(drawn.reshape(count, -1)) * enough[:, None]
+    return np.asarray(flat, dtype=np.float32), centre, gyration
 
 
 def search_sunlit_views(
@@ -205,7 +227,7 @@ def search_sunlit_views(
         Of it.
     seen : SeenViews
     lit : SunlitViews
-        At the Sun's phase angle.
+        At the Sun's phase angle, or evenly.
     sun_in_cam : (3,) array
         Unit vector towards the Sun.
     radius_m : float, m
@@ -218,11 +240,12 @@ def search_sunlit_views(
     square = value @ ((column - centroid[0]) ** 2 + (row - centroid[1]) ** 2) / value.sum()
     gyration = float(np.sqrt(max(square, 0.25)))
     ray = camera.rays(centroid[None])[0]
-    towards = _turn_to(ray)
+    towards = turn_to(ray)
     flat = towards.T @ sun_in_cam  # as a camera that looks at the target has it
     azimuth = np.arctan2(flat[1], flat[0])
     rolls = 2.0 * np.pi * np.arange(ROLLS) / ROLLS
-    place = np.rint((azimuth - rolls) * (AZIMUTHS / (2.0 * np.pi))).astype(np.int64) % AZIMUTHS
+    azimuths = len(lit.pictures)
+    place = np.rint((azimuth - rolls) * (azimuths / (2.0 * np.pi))).astype(np.int64) % azimuths
     patches, settings = [], []
     side = np.arange(CELLS) - 0.5 * (CELLS - 1)
     x, y = np.meshgrid(side, side)
@@ -282,14 +305,14 @@ def _best(
         )
         ray = np.array([origin[0], origin[1], 1.0])
         ray /= np.linalg.norm(ray)
-        pose = RigidTransform(_turn_to(ray) @ rotations[each], radius_m / scale * ray)
+        pose = RigidTransform(turn_to(ray) @ rotations[each], radius_m / scale * ray)
         chosen.append(Hypothesis(int(view[each]), pose, float(best[roll[each], view[each]])))
         if len(chosen) == count:
             break
     return chosen
 
 
-def _turn_to(ray: Floats) -> Floats:
+def turn_to(ray: Floats) -> Floats:
     """Return the shortest turn that takes the boresight to a ray, (3, 3)."""
     aside = np.cross([0.0, 0.0, 1.0], ray)
     sine = float(np.linalg.norm(aside))

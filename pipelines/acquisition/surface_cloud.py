@@ -95,9 +95,12 @@ def nearest_in_cells(
     """
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     chosen = np.flatnonzero(inside)
-    chosen = chosen[np.argsort(-depth[chosen], kind="stable")]
+    cell = row[chosen] * width + column[chosen]
+    nearest = np.full(width * height, np.inf)
+    np.minimum.at(nearest, cell, depth[chosen])
+    first = depth[chosen] == nearest[cell]
     found = np.full(width * height, -1, dtype=np.int64)
-    found[row[chosen] * width + column[chosen]] = chosen  # the last, which is nearest, stays
+    found[cell[first]] = chosen[first]
     return found
 
 

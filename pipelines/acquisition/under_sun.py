@@ -11,13 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats, Image, Mask
+from models.arrays import Floats, Image
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.candidate import Candidate
 from pipelines.acquisition.image_part import cut_out, lit_extent_rad, phase_rad
 from pipelines.acquisition.light_likelihood import (
     ImageLight,
@@ -29,113 +29,34 @@ from pipelines.acquisition.light_likelihood import (
     shading,
     told_light,
 )
+from pipelines.acquisition.light_placing import coarse_light, placed
+from pipelines.acquisition.lit_edges import LitEdges
 from pipelines.acquisition.sunlit_views import (
     SeenViews,
     SunlitViews,
+    even_views,
     search_sunlit_views,
     seen_views,
     sunlit_views,
 )
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, search_steps
+from pipelines.acquisition.under_sun_options import UnderSunOptions
+from pipelines.tracking.edge_fit import EdgeImage, fit_edges, search_steps
 from pipelines.tracking.model_edges import ModelEdges
-from pipelines.tracking.pose_check import PoseCheck, check_pose
+from pipelines.tracking.pose_check import check_pose
 
 NEAR_RADII, FAR_RADII = 3.5, 6.0  # ranges from which views are made, for their perspective
 NEAR_BEYOND = 0.43  # of the range: what shines is wider across only of a near target
 RANGE_SLACK = 1.25  # beyond the coarse range that is known
 PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
-SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light prefers
-LEVELS = np.array([0.0, 0.02, 0.3, 1.0])  # of brightness, by what a pose says
-DUE_STEP = 0.2  # of these, across an edge at which an image must show a step
-STEP_CELLS = 1.5  # from an edge, either way, at which its brightness is told
 NEAR_PX = 2.0  # an edge this near to its step is found,
 SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
+THIN_POINTS, ROUGH_CELLS = 5_000, 2.0  # of a cloud for cells so much larger
+POLISH_RAD, POLISH_ASIDE, POLISH_RANGE = 0.09, 0.04, 0.04  # rad, radii, of the range
+POLISHED_REACH_PX = 5.0
+POLISH_WORK = 1.2
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
-TEMPLATE_WORK, SEARCH_WORK, LIGHT_WORK, FIT_WORK = 14.0, 4.0, 0.15, 1.0  # in fits
-
-
-@dataclass(frozen=True)
-class UnderSunOptions:
-    """How thoroughly to look.
-
-    Attributes
-    ----------
-    fine_width : int, px
-        Images wider than this are reduced.
-    directions : int
-        From how many the target is seen, before the first image.
-    views : int
-        How many of the likeliest are held against the light,
-    laid : int
-        how many of these are laid on the edges,
-    twinned : int
-        and of how many of these the twins are tried.
-    about_deg : float, deg
-        The best is tried anew from as far off, either way about each axis of the target: a small
-        one fits poses some degrees apart alike.
-    finalists : int
-        How many poses are kept of an image.
-    apart_deg, apart_share : float
-        Poses further apart than this, or than this share of the range, are different.
-    least_radius_px : float, px
-        A target that seems smaller is not looked for.
-    """
-
-    fine_width: int = 1024
-    directions: int = 500
-    views: int = 40
-    laid: int = 12
-    twinned: int = 2
-    about_deg: float = 15.0
-    finalists: int = 6
-    apart_deg: float = 8.0
-    apart_share: float = 0.05
-    least_radius_px: float = 12.0
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A pose laid on an image, and how it fits.
-
-    Attributes
-    ----------
-    fit : EdgeFit
-    check : PoseCheck
-    light : float
-        Share of the image's light that it explains; see ``light_likelihood``.
-    steps : float
-        Share found of the steps in brightness that are due, each counted by how near it is.
-    shading : float
-        Correlation of its brightness with the Sun's cosine.
-    told : ToldLight
-        What it says of the light.
-    preferred : float
-        How clearly the light prefers it to the best fit of the image, in sigmas.
-    """
-
-    fit: EdgeFit
-    check: PoseCheck
-    light: float
-    steps: float
-    shading: float
-    told: ToldLight
-    preferred: float = 0.0
-
-    @property
-    def pose(self) -> RigidTransform:
-        """``cam_from_target``."""
-        return self.fit.cam_from_target
-
-    @property
-    def fitness(self) -> float:
-        """How it fits by itself, in one number; a perfect fit has about 1.7."""
-        return self.light + 0.5 * self.steps + 0.25 * self.check.score + 0.2 * self.shading
-
-    @property
-    def score(self) -> float:
-        """How it fits, and how it stands to the image's best fit, in sigmas."""
-        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
+TEMPLATE_WORK, SEARCH_WORK, PLACE_WORK, LIGHT_WORK, FIT_WORK = 14.0, 6.0, 0.05, 0.15, 1.0  # in fits
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +83,20 @@ class Looked:
     work: float
 
 
+def make_views(wireframe: Wireframe, options: UnderSunOptions) -> None:
+    """Look at a target from all around, once for all: what is loaded before flight.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+    options : UnderSunOptions
+    """
+    for rung in (NEAR_RADII, FAR_RADII):
+        even_views(seen_views(wireframe, rung, options.directions))
+
+
 class UnderSun:
-    """Looks for one target; its views are made at the first image and kept.
+    """Looks for one target; its views are made at the first image, unless ``make_views`` did.
 
     Parameters
     ----------
@@ -186,6 +119,7 @@ class UnderSun:
         self._wireframe, self._camera, self._detector = wireframe, camera, detector
         self._options = options
         self._cloud = surface_cloud(wireframe)
+        self._thin_cloud = surface_cloud(wireframe, THIN_POINTS)
         self._edges = ModelEdges(wireframe)
         self._range_m = range_m
         self._seen: SeenViews | None = None
@@ -193,12 +127,14 @@ class UnderSun:
         axes = [
             np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
         ]
-        about = np.deg2rad(options.about_deg) * np.concatenate([np.eye(3), -np.eye(3)])
-        self._small_turns = list(Rotation.from_rotvec(about).as_matrix())
         self._half_turns = [turn for turn in axes if not self._is_symmetry(turn)]
 
     def look(
-        self, image: Image, sun_in_cam: Floats, expected: tuple[RigidTransform, ...] = ()
+        self,
+        image: Image,
+        sun_in_cam: Floats,
+        expected: tuple[RigidTransform, ...] = (),
+        enough: float = np.inf,
     ) -> Looked:
         """Return the poses that an image allows.
 
@@ -209,11 +145,18 @@ class UnderSun:
             Unit vector towards the Sun.
         expected : tuple of RigidTransform
             Poses to be tried beside those of the search.
+        enough : float
+            Share of the light with which one of them is followed, and little else tried.
         """
         options = self._options
         cut = cut_out(image, self._camera, self._detector, options.fine_width)
         if not cut.target:
             return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
+        effort = options.anew
+        if expected:
+            light = image_light(cut.target, self._radius_px(cut, expected[0]))
+            shares = [self._light(cut, light, pose, sun_in_cam) for pose in expected]
+            effort = options.quick if max(shares) >= enough else options.anew
         rung = NEAR_RADII if lit_extent_rad(cut) > NEAR_BEYOND else FAR_RADII
         seen = seen_views(self._wireframe, rung, options.directions)
         phase, work = phase_rad(cut, sun_in_cam), SEARCH_WORK
@@ -223,36 +166,53 @@ class UnderSun:
             work += TEMPLATE_WORK
         shine = np.sqrt(np.minimum(brightness(cut.target), 1.0)).astype(np.float32)
         views = search_sunlit_views(
-            shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, options.views
+            shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, effort.views
         )
-        starts = [view.cam_from_target for view in views] + list(expected)
-        starts = [start for start in starts if self._in_range(start)]
-        if not starts:
+        even = search_sunlit_views(
+            cut.target.lit.astype(np.float32),
+            cut.camera,
+            seen,
+            even_views(seen),
+            sun_in_cam,
+            self._wireframe.radius_m,
+            effort.views,
+        )
+        views = [view for view in (*views, *even) if self._in_range(view.cam_from_target)]
+        if not views:
             return Looked(cut, None, (), "no view of the target shines like the image", work)
-        radius_px = float(np.median([self._radius_px(cut, start) for start in starts[:10]]))
+        radius_px = float(np.median([self._radius_px(cut, v.cam_from_target) for v in views]))
         if radius_px < options.least_radius_px:
             reason = f"the target is too small: its radius seems to be {radius_px:.0f} px"
             return Looked(cut, None, (), reason, work)
         light = image_light(cut.target, radius_px)
+        coarse = coarse_light(light, radius_px)
+        views = [
+            placed(coarse, cut.camera, seen, view, sun_in_cam, self._wireframe.radius_m)
+            for view in views
+        ]
+        work += PLACE_WORK * len(views)
+        views.sort(key=lambda view: -view.likeness)
+        starts = [view.cam_from_target for view in views[: effort.held]] + list(expected)
+        starts = [start for start in starts if self._in_range(start)]
         shares = [self._light(cut, light, start, sun_in_cam) for start in starts]
         work += LIGHT_WORK * len(starts)
-        order = np.argsort(-np.array(shares), kind="stable")[: options.laid]
+        order = np.argsort(-np.array(shares), kind="stable")[: effort.laid]
         chosen = [starts[each] for each in order] + list(expected)
         reach = float(np.clip(0.14 * radius_px, 5.0, 16.0))
         laid = [self._laid(cut, light, start, sun_in_cam, reach) for start in chosen]
         found = self._different([one for one in laid if one is not None])
         twins = [
             RigidTransform(one.pose.rotation @ turn, one.pose.translation)
-            for one in found[: options.twinned]
+            for one in found[: effort.twinned]
             for turn in self._half_turns
-        ]
-        twins += [
-            RigidTransform(one.pose.rotation @ turn, one.pose.translation)
-            for one in found[:1]
-            for turn in self._small_turns
         ]
         laid = [self._laid(cut, light, twin, sun_in_cam, reach) for twin in twins]
         work += FIT_WORK * (len(chosen) + len(twins))
+        found = self._different([*found, *(one for one in laid if one is not None)])
+        rough = image_light(cut.target, ROUGH_CELLS * radius_px)
+        near = [self._nearby(cut, rough, one.pose, sun_in_cam) for one in found[: effort.polished]]
+        laid = [self._laid(cut, light, pose, sun_in_cam, POLISHED_REACH_PX) for pose in near]
+        work += (FIT_WORK + POLISH_WORK) * len(near)
         found = self._different([*found, *(one for one in laid if one is not None)])
         if not found:
             reason = "no view of the target can be laid on the image's edges"
@@ -283,7 +243,8 @@ class UnderSun:
         reach_px: float,
     ) -> Candidate | None:
         reaches = (reach_px, max(0.5 * reach_px, 4.0), 4.0)
-        fit = fit_edges(cut, self._edges, start, reaches)
+        edges = LitEdges(self._edges, self._cloud, light, sun_in_cam)
+        fit = fit_edges(cut, edges, start, reaches)
         if fit is None or not self._in_range(fit.cam_from_target):
             return None
         pose = fit.cam_from_target
@@ -292,10 +253,33 @@ class UnderSun:
             fit=fit,
             check=check_pose(cut, self._edges, pose),
             light=explained(light, told),
-            steps=self._steps(cut, light, pose, told),
+            steps=self._steps(cut, edges, pose, told),
             shading=shading(light, told),
             told=told,
         )
+
+    def _nearby(
+        self, cut: EdgeImage, light: ImageLight, start: RigidTransform, sun_in_cam: Floats
+    ) -> RigidTransform:
+        """Return a pose near another at which the light is likelier: a search along each axis."""
+
+        def share(pose: RigidTransform) -> float:
+            told = told_light(light, self._thin_cloud, cut.camera, pose, sun_in_cam)
+            return explained(light, told)
+
+        pose, best = start, share(start)
+        away = float(start.translation[2])
+        aside = POLISH_ASIDE * self._wireframe.radius_m
+        steps = np.diag([POLISH_RAD] * 3 + [aside, aside, POLISH_RANGE * away])
+        for size in (1.0, 0.5):
+            for step in size * steps:
+                for way in (1.0, -1.0):
+                    tried = pose.perturbed(way * step[:3], way * step[3:])
+                    found = share(tried)
+                    if found > best:
+                        pose, best = tried, found
+                        break
+        return pose
 
     def _light(
         self, cut: EdgeImage, light: ImageLight, pose: RigidTransform, sun_in_cam: Floats
@@ -303,28 +287,11 @@ class UnderSun:
         return explained(light, told_light(light, self._cloud, cut.camera, pose, sun_in_cam))
 
     def _steps(
-        self,
-        cut: EdgeImage,
-        light: ImageLight,
-        pose: RigidTransform,
-        told: ToldLight,
+        self, cut: EdgeImage, edges: LitEdges, pose: RigidTransform, told: ToldLight
     ) -> float:
         """Return how many of the steps in brightness that a pose has are found, and how near."""
         samples = self._edges.shown(cut.camera, pose)
-        if len(samples) < FEWEST_DUE:
-            return 0.0
-        level, corner = LEVELS[told.said], told.corner
-        size = np.array(level.shape[::-1])
-
-        def beside(way: float) -> Floats:
-            places = samples.points_px + way * STEP_CELLS * light.cell_px * samples.normals_px
-            cell = np.floor((places - light.corner_px) / light.cell_px).astype(int) - corner
-            inside = np.asarray(((cell >= 0) & (cell < size)).all(axis=1))
-            column, row = np.where(inside[:, None], cell, 0).T
-            return np.where(inside, level[row, column], 0.0)
-
-        is_due: Mask = np.abs(beside(1.0) - beside(-1.0)) > DUE_STEP
-        due = samples.subset(is_due)
+        due = edges.due(samples, told)
         if len(due) < FEWEST_DUE:
             return 0.0
         steps = search_steps(cut, due, NEAR_PX)

@@ -9,6 +9,7 @@ several steps is taken, Vacchetti et al. 2004, ISMAR).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -19,7 +20,7 @@ from models.pose import RigidTransform
 from pipelines.detection.edge_map import EdgeMap
 from pipelines.detection.target_region import TargetRegion
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
-from pipelines.tracking.model_edges import EdgeSamples, ModelEdges
+from pipelines.tracking.model_edges import EdgeSamples
 
 STRONG_SHARE = 0.3  # of the steepest step on a normal: weaker ones are texture
 TUKEY = 4.685
@@ -38,6 +39,17 @@ class EdgeImage:
     target: TargetRegion
     edge_map: EdgeMap
     camera: Camera
+
+
+class ShownEdges(Protocol):
+    """Edges that a pose shows, such as ``pipelines.tracking.model_edges.ModelEdges``."""
+
+    @property
+    def radius_m(self) -> float:
+        """Of the target, m."""
+
+    def shown(self, camera: Camera, cam_from_target: RigidTransform) -> EdgeSamples:
+        """Return the samples that an image at a pose shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +200,7 @@ def normal_jacobian(camera: Camera, pose: RigidTransform, samples: EdgeSamples) 
 
 def fit_edges(
     image: EdgeImage,
-    edges: ModelEdges,
+    edges: ShownEdges,
     start: RigidTransform,
     reaches_px: tuple[float, ...],
     rounds: int = 2,
@@ -198,7 +210,7 @@ def fit_edges(
     Parameters
     ----------
     image : EdgeImage
-    edges : ModelEdges
+    edges : ShownEdges
     start : RigidTransform
         ``cam_from_target``.
     reaches_px : tuple of float, px

@@ -23,7 +23,8 @@ from pipelines.acquisition.from_image import (
     edge_image,
 )
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
-from pipelines.acquisition.under_sun import UnderSun, UnderSunOptions
+from pipelines.acquisition.under_sun import UnderSun
+from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.detection.corners import Corners, corners_of, find_corners
 from pipelines.tracking.edge_fit import EdgeFit, EdgeImage
 from pipelines.tracking.from_image import (

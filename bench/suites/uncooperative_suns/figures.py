@@ -22,6 +22,7 @@ from models.arrays import Floats, Mask
 
 FOUND, REFUSED, WRONG = "#2a8f5b", "#9aa7b2", "#b3261e"
 MARKS = (("found", FOUND, "o", 16.0), ("refused", REFUSED, "x", 16.0), ("wrong", WRONG, "D", 30.0))
+BEYOND = 3.0  # of an axis, so that marks at its ends are whole
 LEAST_TOLD = 1e-3  # of a logarithmic axis of probabilities
 
 
@@ -45,6 +46,13 @@ def outcome_map(starts: Starts) -> str:
         right.set_xlabel("azimuth of the camera, deg")
         right.set_ylabel("elevation, deg")
         right.set_title("attitude: the camera in target axes")
+        for panel, across, up in (
+            (left, PHASE_EDGES_DEG, 100.0 * np.array(SHARE_EDGES)),
+            (middle, PHASE_EDGES_DEG, 100.0 * np.array(LIT_EDGES)),
+            (right, (-180.0, 180.0), (-90.0, 90.0)),
+        ):
+            panel.set_xlim(across[0] - BEYOND, across[-1] + BEYOND)
+            panel.set_ylim(up[0] - BEYOND, up[-1] + BEYOND)
         handles, names = left.get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=len(names))
 
@@ -89,11 +97,16 @@ def reliability_figure(summaries: dict[str, Summary]) -> str:
                           np.maximum(high, LEAST_TOLD) - np.maximum(wrong, LEAST_TOLD)],
                     fmt="o", color=colour, label=target, capsize=3.0,
                 )  # fmt: skip
+                none = wrong < LEAST_TOLD
+                panel.plot(
+                    told[none] * 1.04**number, np.full(none.sum(), LEAST_TOLD),
+                    "o", color=colour, markerfacecolor="white", zorder=3,
+                )  # fmt: skip
         panel.plot([LEAST_TOLD, 1.0], [LEAST_TOLD, 1.0], color=FAINT, lw=1.0)
         panel.set_xscale("log")
         panel.set_yscale("log")
         panel.set_xlabel("probability of being wrong, as told")
-        panel.set_ylabel("share that was wrong, 95 %")
+        panel.set_ylabel("share that was wrong, 95 % (hollow: none)")
         if any(summary.claims for summary in summaries.values()):
             panel.legend()
 

@@ -13,6 +13,8 @@ from bench.suites.uncooperative_suns.frames import known_of, render_motion
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.motion.tumble import CAM_FROM_LVLH
 from models.onboard import FlightExpectations, OnboardKnowledge
+from pipelines.acquisition.under_sun import make_views
+from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.registry import registered_pipeline
 from pipelines.uncooperative.knowledge import image_frame
 
@@ -100,6 +102,8 @@ def try_starts(task: StartsTask, frames: str) -> Outcome:
     shown = done_outcome(place.parents[1], unit).values
     camera, detector, wireframe = known_of(motion)
     drawn = draw_motion(motion, camera, wireframe.radius_m)
+    if task.variant != "paper":
+        make_views(wireframe, UnderSunOptions())  # before flight: no time of a start
     count = SUNS
     found = np.full(count, -1, dtype=np.int64)
     poses, covariances = np.full((count, 3, 4), np.nan), np.full((count, 6, 6), np.nan)

@@ -9,17 +9,20 @@ from scipy.spatial.transform import Rotation
 from models.pose import RigidTransform
 from pipelines.acquisition.image_part import cut_out
 from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_light
+from pipelines.acquisition.rivals import RivalOptions
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.surface_cloud import surface_cloud
-from pipelines.acquisition.under_sun import Looked, UnderSun, UnderSunOptions
+from pipelines.acquisition.under_sun import Looked, UnderSun
+from pipelines.acquisition.under_sun_options import Effort, UnderSunOptions
 from pipelines.detection.target_region import find_target
 from tests.support.drawn_targets import CAMERA, DETECTOR, drawn, target
 
 WIREFRAME = target()
 CLOUD = surface_cloud(WIREFRAME)
-OPTIONS = UnderSunOptions(directions=250, views=24, laid=8, twinned=1)
+OPTIONS = UnderSunOptions(directions=250, anew=Effort(24, 16, 8, 1, 1), quick=Effort(6, 6, 2, 1, 1))
 SUNS = ((-0.55, -0.35, -0.76), (0.9, 0.1, -0.42))  # behind the camera, and beside it
 RIGHT_DEG = 3.0
+FOLLOWED = 0.6  # share of the light that a prediction must explain
 RADIUS_PX = 85.0  # of the target in these images, about
 DARK_DN = 5.0  # of what no Sun lights: the detector's noise is about one
 
@@ -116,3 +119,26 @@ def test_a_start_ends_when_its_work_is_spent(looking: UnderSun) -> None:
     assert answer.pose is None
     assert answer.over
     assert "may cost" in answer.reason
+
+
+def test_a_start_that_is_not_sure_says_why(looking: UnderSun) -> None:
+    """What it explains, and the rival that it leads over: none is sure enough here."""
+    never = SunlitStartOptions(rivals=RivalOptions(most_wrong=-1.0))
+    answer = SunlitStart(looking, never).take(frame_of(1, 0), 0.0, np.array(SUNS[0]))
+    assert answer.pose is None
+    assert not answer.over
+    assert answer.candidates
+    assert "% of the light" in answer.reason
+    assert "sigmas over one" in answer.reason
+
+
+def test_a_prediction_is_followed_where_it_explains_the_light(looking: UnderSun) -> None:
+    """It costs less than looking anew; one that is a quarter turn off is no reason to."""
+    frame, sun, truth = frame_of(1, 0), np.array(SUNS[0]), pose_of(1)
+    quarter = Rotation.from_rotvec([0.0, 0.0, 0.5 * np.pi]).as_matrix()
+    turned = RigidTransform(truth.rotation @ quarter, truth.translation)
+    followed = looking.look(frame, sun, (truth,), FOLLOWED)
+    anew = looking.look(frame, sun, (turned,), FOLLOWED)
+    assert followed.work < 0.8 * anew.work
+    for looked in (followed, anew):
+        assert turn_deg(looked.candidates[0].pose, truth) < RIGHT_DEG
