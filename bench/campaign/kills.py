@@ -7,15 +7,26 @@ in a kernel or a library, its workers with it.
 
 from __future__ import annotations
 
+import itertools
 import shutil
 import time
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from bench.campaign.grounds import FORMAT, SUITE
-from bench.campaign.processes import contents, differences, ended, fault_of, kill, start
+from bench.campaign.journal import FAULT, Tried
+from bench.campaign.processes import (
+    contents,
+    differences,
+    ended,
+    fault_of,
+    kill,
+    processor_s,
+    start,
+)
 
 DRAW = 1815
 MOST_KILLS = 3
@@ -109,6 +120,45 @@ class Kills:
         for ground in ("cases", "pairs"):
             (place / ground).symlink_to(self.grounds / ground)
         return place
+
+
+def try_kills(
+    verbs: Sequence[str],
+    count: int,
+    first: int,
+    grounds: Path,
+    scratch: Path,
+    seen: Collection[tuple[str, int]],
+    until: float | None,
+) -> Iterator[Tried]:
+    """Kill each verb in turn, until there were so many kills, and at least one verb.
+
+    Parameters
+    ----------
+    verbs : sequence of str
+    count : int
+        Kills that found a verb alive.
+    first : int
+        Seed.
+    grounds, scratch : Path
+    seen : collection of (str, int)
+        Verbs and seeds that are left out.
+    until : float, optional, s
+        Of the monotonic clock: nothing is begun later.
+    """
+    campaign, killed, begun = Kills(grounds, scratch), 0, False
+    for seed in itertools.count(first):
+        for verb in verbs:
+            if (verb, seed) in seen:
+                continue
+            late = until is not None and time.monotonic() > until
+            if killed >= count or (begun and late):
+                return
+            begun, began_s = True, processor_s()
+            now, fault = campaign.try_one(verb, seed)
+            killed += now
+            ended = FAULT if fault else "stood"
+            yield Tried(verb, seed, ended, fault, now, processor_s() - began_s)
 
 
 def _made(place: Path) -> dict[str, str]:

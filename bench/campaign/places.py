@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+import sys
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from bench.campaign.grounds import FORMAT
-from bench.campaign.processes import contents, differences, ended, fault_of, start
+from bench.campaign.journal import FAULT, Tried
+from bench.campaign.processes import contents, differences, ended, fault_of, processor_s, start
 
 DRAW = 1848
 ROOM_KB = (40, 700)  # where a run of 128 columns takes 900
@@ -145,6 +149,49 @@ def try_place(name: str, seed: int, grounds: Path, place: Path) -> str:
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     return PLACES[name](grounds, place, np.random.default_rng([DRAW, seed]))
+
+
+def try_places(
+    names: Sequence[str],
+    count: int,
+    first: int,
+    grounds: Path,
+    scratch: Path,
+    seen: Collection[tuple[str, int]],
+    until: float | None,
+) -> Iterator[Tried]:
+    """Try each place in turn, so many in all, and at least one; those that cannot be made are told.
+
+    Parameters
+    ----------
+    names : sequence of str
+    count : int
+    first : int
+        Seed.
+    grounds, scratch : Path
+    seen : collection of (str, int)
+        Places and seeds that are left out.
+    until : float, optional, s
+        Of the monotonic clock: nothing is begun later.
+    """
+    left, tried = list(names), 0
+    for seed in itertools.count(first):
+        for name in [each for each in left if (each, seed) not in seen]:
+            late = until is not None and time.monotonic() > until
+            if tried >= count or (tried and late):
+                return
+            began_s = processor_s()
+            try:
+                fault = try_place(name, seed, grounds, scratch / "place")
+            except Skipped as why:
+                print(f"{name}: skipped: {why}", file=sys.stderr)
+                left.remove(name)
+                continue
+            tried += 1
+            ended_as = FAULT if fault else "stood"
+            yield Tried(name, seed, ended_as, fault, processor_s=processor_s() - began_s)
+        if not left:
+            return
 
 
 def _goes_on(

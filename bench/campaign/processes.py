@@ -71,6 +71,11 @@ def ended(process: subprocess.Popen[str], limit_s: float = TIME_LIMIT_S) -> Hear
     return Heard(process.returncode, errors)
 
 
+def processor_s() -> float:
+    """Return the processor time of this process and of those that it has waited for, s."""
+    return sum(os.times()[:4])
+
+
 def kill(process: subprocess.Popen[str]) -> None:
     """Kill a verb and whatever it started."""
     with suppress(ProcessLookupError):
