@@ -34,6 +34,7 @@ MACHINE = hashlib.sha256(_process_numbers().encode()).hexdigest()[:8]
 SCRATCH_NAME = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<process>\d+)\.part")
 _BEGAN_S = time.time()
 _IN_HAND: set[Path] = set()  # scratch files of this process
+_DISKS: dict[Path, int] = {}  # of folders that this process has written into
 
 
 @contextmanager
@@ -50,11 +51,13 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
     Raises
     ------
     StorageError
-        If the disk is full or read-only; what stood at ``path`` before still does.
+        If the disk is full, read-only or gone; what stood at ``path`` before still does.
     """
     scratch = path.with_name(f".{path.name}.{MACHINE}-{os.getpid()}.part")
+    _refuse_another_disk(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        _DISKS.setdefault(path.parent, _disk_of(path.parent))
         _IN_HAND.add(scratch)
         try:
             yield scratch
@@ -70,6 +73,31 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
             f"expected to write {path}{size}, got: {cause(error)}; {_mend(path, error)}; "
             "everything written so far is whole, and the same command goes on from there"
         ) from error
+
+
+def forget_disk(folder: Path) -> None:
+    """Let a folder and those below it be on another disk than before: a verb begins in it."""
+    for known in [each for each in _DISKS if each == folder or folder in each.parents]:
+        _DISKS.pop(known, None)
+
+
+def _refuse_another_disk(path: Path) -> None:
+    """Refuse to write where the disk of before is gone, as beneath the place of its mount."""
+    known = next((each for each in path.parents if each in _DISKS), None)
+    if known is not None and _disk_of(known) != _DISKS[known]:
+        raise StorageError(
+            f"expected to write {path}, got: {known} is no longer on the disk that it was on when "
+            "this began; mount it again: everything written so far is whole, and the same command "
+            "goes on from there"
+        )
+
+
+def _disk_of(folder: Path) -> int:
+    """Return the number of the disk that a folder is on, or would be."""
+    for place in (folder, *folder.parents):
+        with suppress(FileNotFoundError, NotADirectoryError):
+            return os.stat(place).st_dev
+    return os.stat(os.curdir).st_dev
 
 
 def _mend(path: Path, error: OSError) -> str:

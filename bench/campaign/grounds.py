@@ -40,7 +40,7 @@ except Reached:
 """
 SUITE = (
     "suite", "pesce2019", "--quick", "--parts", "table7", "--runs", "1", "--seeds", "1",
-    "--acquisitions", "1", "--duration-s", "60", "--paper-runs", "1", "--workers", "1",
+    "--acquisitions", "1", "--duration-s", "60", "--paper-runs", "1",
 )  # fmt: skip
 FORMAT = "yolo-pose"
 CAMPAIGN = Path(__file__).resolve().parent
@@ -74,7 +74,7 @@ def make_grounds(folder: Path, *, tumble: bool) -> None:
         store = ("--out", place / "data", "--store", place / "store")
         _made(place, cases, "sweep", "small.toml", *typed, *store)
         place = folder / "suite"
-        _made(place, cases, *SUITE, "--out", place / "data")
+        _made(place, cases, *SUITE, "--workers", "1", "--out", place / "data")
 
 
 def _made(place: Path, cases: Path, *typed: object, begun: bool = False) -> None:

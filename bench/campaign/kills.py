@@ -1,8 +1,8 @@
 """Verbs killed at random instants, again and again, then left to end: the bytes are the same.
 
-Of a seed, half the kills come as a file is about to get its name, counted in files, so that they
-can be repeated to the step; the others at an instant of the clock, wherever the process then is,
-in a kernel or a library, its workers with it.
+Half the kills come as a file is about to get its name, counted in files, so that a seed repeats
+them to the step. Others come at an instant of the clock, wherever the process then is, in a kernel
+or a library, its workers with it; and some hit one of its workers alone, of which it must tell.
 """
 
 from __future__ import annotations
@@ -23,13 +23,15 @@ from bench.campaign.processes import (
     differences,
     ended,
     fault_of,
-    kill,
+    kill_group,
+    kill_one_of,
     processor_s,
     start,
 )
 
 DRAW = 1815
 MOST_KILLS = 3
+HOWS = ("at a file", "at a file", "at an instant", "a worker")
 STORE = ("--store", "store")
 KILLED: dict[str, tuple[str, ...]] = {
     "render": ("render", "cases/small.toml", "--out", "out", *STORE),
@@ -40,7 +42,7 @@ KILLED: dict[str, tuple[str, ...]] = {
     ),
     "dataset": ("dataset", "cases/spec.toml", "--workers", "2", "--out", "out"),
     "export": ("export", "pairs/data", "--as", FORMAT, "--out", "out"),
-    "suite": (*SUITE, "--out", "out"),
+    "suite": (*SUITE, "--workers", "2", "--out", "out"),
 }  # fmt: skip
 
 
@@ -85,18 +87,11 @@ class Kills:
         random = np.random.default_rng([DRAW, list(KILLED).index(verb), seed])
         place, killed = self._place(f"{verb}-{seed}"), 0
         for _ in range(int(random.integers(1, MOST_KILLS + 1))):
-            at_a_file, share = random.random() < 0.5, random.random()
-            if at_a_file:
-                process = start(KILLED[verb], place, struck=int(share * whole.files))
-                code = ended(process).code
-            else:
-                process = start(KILLED[verb], place)
-                time.sleep(share * whole.seconds)
-                kill(process)
-                code = process.returncode
-            if code not in (0, -9):
-                return killed, f"exit code {code} of a verb that was killed and went on"
-            killed += code != 0
+            how, share = HOWS[int(random.integers(len(HOWS)))], random.random()
+            now, fault = self._struck(verb, place, how, share)
+            killed += now
+            if fault:
+                return killed, fault
         fault = fault_of(ended(start(KILLED[verb], place)), 0)
         fault = fault or differences(whole.made, _made(place))
         if not fault and (left := sorted(place.rglob("*.part"))):
@@ -104,6 +99,22 @@ class Kills:
         if not fault:
             shutil.rmtree(place)
         return killed, fault
+
+    def _struck(self, verb: str, place: Path, how: str, share: float) -> tuple[bool, str]:
+        """Begin a verb and kill it, or one of its workers; return whether so, and the fault."""
+        whole = self.whole[verb]
+        if how == "at a file":
+            process = start(KILLED[verb], place, struck=int(share * whole.files))
+            heard, killed, may_end = ended(process), True, (0, -9)
+        else:
+            process = start(KILLED[verb], place)
+            time.sleep(share * whole.seconds)
+            killed = how == "a worker" and kill_one_of(process, share)
+            may_end = (0, 2) if killed else (0, -9)
+            if not killed:
+                kill_group(process)
+            heard = ended(process)
+        return killed and heard.code != 0, fault_of(heard, *may_end)
 
     def _undisturbed(self, verb: str) -> Undisturbed:
         place = self._place(verb)

@@ -23,6 +23,7 @@ ROOM_KB = (40, 700)  # where a run of 128 columns takes 900
 ENOUGH = "64m"
 YEAR_S = 365.25 * 86400.0
 MOST_WRITERS = 8
+FILES_OF_A_RUN = 40  # that get their names, about; more are none, and nothing befalls it
 
 
 class Skipped(Exception):
@@ -57,6 +58,40 @@ def _full_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
             return fault
         _mount("-o", f"remount,size={ENOUGH}", disk)
         return _goes_on(typed, place, grounds, place / "out", {})
+
+
+def _vanished_folder(grounds: Path, place: Path, random: np.random.Generator) -> str:
+    """Run on a disk that is unmounted meanwhile, and mounted again."""
+    return _vanished(grounds, place, random, "out")
+
+
+def _vanished_store(grounds: Path, place: Path, random: np.random.Generator) -> str:
+    """Run with a store whose disk is unmounted meanwhile, and mounted again."""
+    return _vanished(grounds, place, random, "store")
+
+
+def _vanished(grounds: Path, place: Path, random: np.random.Generator, which: str) -> str:
+    """Unmount the disk of one of a run's folders; in half of the trials mount it again at once."""
+    folders = {"out": place / "out", "store": place / "store"}
+    with _disk(place / "kept") as kept, _bound(kept, place / "seen") as seen:
+        folders[which] = seen / which
+        typed = ("run", grounds / "cases" / "small.toml", "--out", folders["out"],
+                 "--store", folders["store"])  # fmt: skip
+        gone, back = f"umount --lazy {seen}", f"mount --bind {kept} {seen}"
+        if comes_back := random.random() < 0.5:
+            gone = f"{gone}; (sleep {random.uniform(0.0, 1.0):.3f}; {back}) > /dev/null 2>&1 &"
+        struck = int(random.integers(FILES_OF_A_RUN))
+        heard = ended(start(typed, place, struck=struck, befalls=gone))
+        if fault := fault_of(heard, 0, 2):
+            return fault
+        if not comes_back and (beneath := sorted(seen.rglob("*"))):
+            return f"wrote {beneath[-1].relative_to(seen)} beneath the place of the mount"
+        if not seen.is_mount():
+            _mount("--bind", kept, seen)
+        done = differences(contents(grounds / "pairs" / "data"), contents(folders["out"]))
+        if heard.code == 0 and done:
+            return f"said that all was done, but {done}"
+        return _goes_on(typed, place, grounds, folders["out"], {})
 
 
 def _read_only(grounds: Path, place: Path, random: np.random.Generator) -> str:
@@ -123,6 +158,8 @@ def _one_folder(grounds: Path, place: Path, random: np.random.Generator) -> str:
 PLACES: dict[str, Callable[[Path, Path, np.random.Generator], str]] = {
     "full disk": _full_disk,
     "full store": _full_store,
+    "vanished folder": _vanished_folder,
+    "vanished store": _vanished_store,
     "read-only": _read_only,
     "clock": _clock,
     "writers on one store": _one_store,
@@ -216,6 +253,18 @@ def _disk(folder: Path) -> Iterator[Path]:
         yield folder
     finally:
         subprocess.run(["umount", "--lazy", folder], check=False)
+
+
+@contextmanager
+def _bound(kept: Path, seen: Path) -> Iterator[Path]:
+    """Have a disk at another place, too, where it can be unmounted and is not lost."""
+    seen.mkdir()
+    _mount("--bind", kept, seen)
+    try:
+        yield seen
+    finally:
+        while seen.is_mount():
+            subprocess.run(["umount", "--lazy", seen], check=False)
 
 
 def _mount(*arguments: object) -> None:

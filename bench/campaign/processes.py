@@ -18,11 +18,13 @@ from bench.campaign.hostile.verdict import Heard, fault_of_message
 PROGRAM = "import sys; from bench.cli import main; sys.exit(main())"
 STRUCK = """
 import os, pathlib, signal, sys
-number, rename = int(sys.argv.pop(1)), pathlib.Path.replace
+number, befalls, rename = int(sys.argv.pop(1)), sys.argv.pop(1), pathlib.Path.replace
 def replace(scratch, place):
     global number
     number -= 1
-    if number < 0:
+    if number == -1 and befalls:
+        os.system(befalls)
+    elif number < 0 and not befalls:
         os.killpg(0, signal.SIGKILL)
     return rename(scratch, place)
 pathlib.Path.replace = replace
@@ -35,7 +37,11 @@ KEYS_NEVER_THE_SAME = frozenset({"runtime_ms", "store", "seconds", "frame_ms"})
 
 
 def start(
-    typed: Sequence[object], cwd: Path, env: Mapping[str, str] | None = None, struck: int = -1
+    typed: Sequence[object],
+    cwd: Path,
+    env: Mapping[str, str] | None = None,
+    struck: int = -1,
+    befalls: str = "",
 ) -> subprocess.Popen[str]:
     """Start a verb in a process group of its own.
 
@@ -48,8 +54,10 @@ def start(
     struck : int
         Files that get their names before the whole group is killed, just before the next one does;
         below zero for never.
+    befalls : str
+        What a shell does at that instant instead of the kill.
     """
-    program = (STRUCK + PROGRAM, str(struck)) if struck >= 0 else (PROGRAM,)
+    program = (STRUCK + PROGRAM, str(struck), befalls) if struck >= 0 else (PROGRAM,)
     return subprocess.Popen(
         [sys.executable, "-P", "-c", *program, *map(str, typed)],
         cwd=cwd,
@@ -66,7 +74,8 @@ def ended(process: subprocess.Popen[str], limit_s: float = TIME_LIMIT_S) -> Hear
     try:
         _, errors = process.communicate(timeout=limit_s)
     except subprocess.TimeoutExpired:
-        kill(process)
+        kill_group(process)
+        process.communicate()
         return Heard(None, "", f"hangs: not done after {limit_s:g} s")
     return Heard(process.returncode, errors)
 
@@ -76,11 +85,39 @@ def processor_s() -> float:
     return sum(os.times()[:4])
 
 
-def kill(process: subprocess.Popen[str]) -> None:
+def kill_group(process: subprocess.Popen[str]) -> None:
     """Kill a verb and whatever it started."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
+
+
+def kill_one_of(process: subprocess.Popen[str], share: float) -> bool:
+    """Kill one of the processes that a verb started, alone; tell whether there was one.
+
+    Parameters
+    ----------
+    process : Popen
+    share : float
+        Which of them, in the order of their numbers.
+    """
+    own = sorted(
+        int(path.name)
+        for path in Path("/proc").glob("[0-9]*")
+        if (words := words_of(path)) and int(words[1]) == process.pid and words[0] != "Z"
+    )
+    if own and process.poll() is None:
+        with suppress(ProcessLookupError):
+            os.kill(own[int(share * len(own))], signal.SIGKILL)
+            return True
+    return False
+
+
+def words_of(process: Path) -> list[str]:
+    """Return what the system says of a process, from its state on; nothing once it is over."""
+    try:
+        return (process / "stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return []
 
 
 def fault_of(heard: Heard, *codes: int) -> str:

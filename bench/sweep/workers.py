@@ -12,9 +12,12 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
 import cv2
+
+from models.errors import StorageError
 
 Result = TypeVar("Result")
 
@@ -41,7 +44,13 @@ class Workers:
     def run(
         self, work: Callable[..., Result], tasks: Sequence[tuple[Any, ...]]
     ) -> Iterator[tuple[int, Result]]:
-        """Do ``work(*task)`` for every task; yield (number of the task, result) as each is done."""
+        """Do ``work(*task)`` for every task; yield (number of the task, result) as each is done.
+
+        Raises
+        ------
+        StorageError
+            If a process was killed; what was written is kept.
+        """
         if self.count == 1 or len(tasks) < 2:
             for number, task in enumerate(tasks):
                 yield number, work(*task)
@@ -51,12 +60,17 @@ class Workers:
             self._pool = ProcessPoolExecutor(
                 self.count, multiprocessing.get_context("spawn"), initializer=begin_worker
             )
-        numbers: dict[Future[Result], int] = {
-            self._pool.submit(work, *task): number for number, task in enumerate(tasks)
-        }
+        numbers: dict[Future[Result], int] = {}
         try:
+            for number, task in enumerate(tasks):
+                numbers[self._pool.submit(work, *task)] = number
             for done in as_completed(numbers):
                 yield numbers[done], done.result()
+        except BrokenProcessPool as error:
+            raise StorageError(
+                "expected each working process to live, one was killed, perhaps for want of "
+                "memory; what is done is kept: run the same command again, with fewer workers"
+            ) from error
         finally:
             for future in numbers:
                 future.cancel()

@@ -15,6 +15,7 @@ from typing import Any
 
 from bench.campaign.hostile.trial import Told, try_one
 from bench.campaign.hostile.verdict import Ended, Verdict
+from bench.campaign.processes import words_of
 
 MOST_PROCESSOR_S = 60.0  # of a trial; the slowest takes a tenth of it
 MOST_WAITING_S = 120.0  # without any processor time, and without asking for it
@@ -122,7 +123,7 @@ def _processor(number: int) -> tuple[float, bool]:
 
     One that waits for a core, as on a busy machine, is at work.
     """
-    states = {int(path.name): _state(path) for path in Path("/proc").glob("[0-9]*")}
+    states = {int(path.name): words_of(path) for path in Path("/proc").glob("[0-9]*")}
     spent_s, waits, left = 0.0, True, [number]
     while left:
         process = left.pop()
@@ -132,14 +133,6 @@ def _processor(number: int) -> tuple[float, bool]:
             waits = waits and words[0] in "SDZ"
         left += [child for child, its in states.items() if its and int(its[1]) == process]
     return spent_s, waits
-
-
-def _state(process: Path) -> list[str]:
-    """Return what the system says of a process, from its state on."""
-    try:
-        return (process / "stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return []
 
 
 def _serve(line: Connection, grounds: Path, folder: Path) -> None:
