@@ -54,8 +54,8 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
         If the disk is full, read-only or gone; what stood at ``path`` before still does.
     """
     scratch = path.with_name(f".{path.name}.{MACHINE}-{os.getpid()}.part")
-    _refuse_another_disk(path)
     try:
+        _refuse_another_disk(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         _DISKS.setdefault(path.parent, _disk_of(path.parent))
         _IN_HAND.add(scratch)
@@ -184,7 +184,8 @@ def _is_abandoned(scratch: Path) -> bool:
         return False
     process = int(named["process"])
     if process == os.getpid():
-        return written_s < _BEGAN_S  # an earlier process had our number
+        # An earlier process had our number; or ours is in hand, and the clock was set back since.
+        return written_s < _BEGAN_S and scratch not in _IN_HAND
     return not _is_alive(process)
 
 

@@ -21,6 +21,7 @@ from bench.campaign.processes import contents, differences, ended, fault_of, pro
 DRAW = 1848
 ROOM_KB = (40, 700)  # where a run of 128 columns takes 900
 ENOUGH = "64m"
+MOST_CLOCK_READS = 20
 YEAR_S = 365.25 * 86400.0
 MOST_WRITERS = 8
 FILES_OF_A_RUN = 40  # that get their names, about; more are none, and nothing befalls it
@@ -115,7 +116,7 @@ def _read_only(grounds: Path, place: Path, random: np.random.Generator) -> str:
 
 
 def _clock(grounds: Path, place: Path, random: np.random.Generator) -> str:
-    """Go on in a folder and a store whose files are of the future, or of long ago."""
+    """Go on where files are of the future, or of long ago, and the clock is set back meanwhile."""
     shutil.copytree(grounds / "pairs", place / "pairs")
     years = float(random.choice([-60.0, -1.0, 1.0, 80.0]))
     data, store = place / "pairs" / "data", place / "pairs" / "store"
@@ -125,7 +126,9 @@ def _clock(grounds: Path, place: Path, random: np.random.Generator) -> str:
         then = path.stat().st_mtime + years * YEAR_S
         os.utime(path, (max(then, 0.0), max(then, 0.0)))
     typed = ("run", grounds / "cases" / "small.toml", "--out", data, "--store", store)
-    return _goes_on(typed, place, grounds, data, {})
+    set_back = int(random.integers(MOST_CLOCK_READS)), float(random.choice([10.0, YEAR_S]))
+    fault = fault_of(ended(start(typed, place, set_back=set_back)), 0)
+    return fault or _goes_on(typed, place, grounds, data, {})
 
 
 def _one_store(grounds: Path, place: Path, random: np.random.Generator) -> str:

@@ -29,6 +29,15 @@ def replace(scratch, place):
     return rename(scratch, place)
 pathlib.Path.replace = replace
 """
+SET_BACK = """
+import sys, time
+reads, seconds, clock = int(sys.argv.pop(1)), float(sys.argv.pop(1)), time.time
+def set_back():
+    global reads
+    reads -= 1
+    return clock() - (seconds if reads < 0 else 0.0)
+time.time = set_back
+"""
 TIME_LIMIT_S = 3600.0  # a machine may be slow; a process that waits for nothing is the tests' work
 NEVER_THE_SAME = (
     "*.html", "*.runtime.csv", "*.seconds.json", "claims/*.json", "made", "*.part",
@@ -42,6 +51,7 @@ def start(
     env: Mapping[str, str] | None = None,
     struck: int = -1,
     befalls: str = "",
+    set_back: tuple[int, float] | None = None,
 ) -> subprocess.Popen[str]:
     """Start a verb in a process group of its own.
 
@@ -56,10 +66,16 @@ def start(
         below zero for never.
     befalls : str
         What a shell does at that instant instead of the kill.
+    set_back : (int, float), optional
+        How often the clock is read before it is set back, and by how many seconds.
     """
-    program = (STRUCK + PROGRAM, str(struck), befalls) if struck >= 0 else (PROGRAM,)
+    program, words = PROGRAM, list[str]()
+    if struck >= 0:
+        program, words = STRUCK + program, [str(struck), befalls]
+    if set_back is not None:
+        program, words = SET_BACK + program, [*map(str, set_back), *words]
     return subprocess.Popen(
-        [sys.executable, "-P", "-c", *program, *map(str, typed)],
+        [sys.executable, "-P", "-c", program, *words, *map(str, typed)],
         cwd=cwd,
         env={**os.environ, **(env or {})},
         stdout=subprocess.PIPE,
