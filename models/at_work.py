@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from models.atomic_file import forget_disk, write_text
+from models.atomic_file import write_text
 from models.errors import RvbenchError, StorageError
 from models.reading.json_file import read_json_table
 
@@ -33,7 +33,6 @@ def at_work(folder: Path, verb: str) -> Iterator[None]:
     verb : str
         For who asks what failed.
     """
-    forget_disk(folder)
     failed = folder / FAILED_NAME
     with suppress(OSError):
         failed.unlink(missing_ok=True)

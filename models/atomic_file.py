@@ -13,7 +13,7 @@ import platform
 import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -79,6 +79,16 @@ def forget_disk(folder: Path) -> None:
     """Let a folder and those below it be on another disk than before: a verb begins in it."""
     for known in [each for each in _DISKS if each == folder or folder in each.parents]:
         _DISKS.pop(known, None)
+
+
+def known_disks() -> dict[Path, int]:
+    """Return the disks that folders were on, for a process that goes on with the work."""
+    return dict(_DISKS)
+
+
+def remember_disks(known: Mapping[Path, int]) -> None:
+    """Take over what another process knows of the disks that folders were on."""
+    _DISKS.update(known)
 
 
 def _refuse_another_disk(path: Path) -> None:

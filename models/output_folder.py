@@ -7,7 +7,7 @@ import os
 from collections.abc import Collection
 from pathlib import Path
 
-from models.atomic_file import SCRATCH_NAME
+from models.atomic_file import SCRATCH_NAME, forget_disk
 from models.errors import DatasetError, StorageError, cause
 from models.folder_kinds import kind_of
 
@@ -15,7 +15,7 @@ MOST_NAMED = 6
 
 
 def check_place(folder: Path, option: str = "--out") -> None:
-    """Refuse a place where no folder can be, or none that we may write.
+    """Refuse a place where no folder can be, or none that we may write; a verb begins there.
 
     Parameters
     ----------
@@ -29,6 +29,7 @@ def check_place(folder: Path, option: str = "--out") -> None:
     DatasetError, StorageError
         Nothing was changed.
     """
+    forget_disk(folder)
     place = folder
     while not os.path.lexists(place) and place.parent != place:
         place = place.parent

@@ -78,10 +78,10 @@ def _vanished(grounds: Path, place: Path, random: np.random.Generator, which: st
         folders[which] = seen / which
         typed = ("run", grounds / "cases" / "small.toml", "--out", folders["out"],
                  "--store", folders["store"])  # fmt: skip
+        struck, comes_back = int(random.integers(FILES_OF_A_RUN)), random.random() < 0.5
         gone, back = f"umount --lazy {seen}", f"mount --bind {kept} {seen}"
-        if comes_back := random.random() < 0.5:
+        if comes_back:
             gone = f"{gone}; (sleep {random.uniform(0.0, 1.0):.3f}; {back}) > /dev/null 2>&1 &"
-        struck = int(random.integers(FILES_OF_A_RUN))
         heard = ended(start(typed, place, struck=struck, befalls=gone))
         if fault := fault_of(heard, 0, 2):
             return fault

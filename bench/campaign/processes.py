@@ -22,11 +22,12 @@ number, befalls, rename = int(sys.argv.pop(1)), sys.argv.pop(1), pathlib.Path.re
 def replace(scratch, place):
     global number
     number -= 1
+    if number < 0 and not befalls:
+        os.killpg(0, signal.SIGKILL)
+    renamed = rename(scratch, place)
     if number == -1 and befalls:
         os.system(befalls)
-    elif number < 0 and not befalls:
-        os.killpg(0, signal.SIGKILL)
-    return rename(scratch, place)
+    return renamed
 pathlib.Path.replace = replace
 """
 SET_BACK = """
@@ -65,7 +66,7 @@ def start(
         Files that get their names before the whole group is killed, just before the next one does;
         below zero for never.
     befalls : str
-        What a shell does at that instant instead of the kill.
+        What a shell does instead of the kill, once that next one has its name.
     set_back : (int, float), optional
         How often the clock is read before it is set back, and by how many seconds.
     """

@@ -10,13 +10,15 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
 from typing import Any, TypeVar
 
 import cv2
 
+from models.atomic_file import known_disks, remember_disks
 from models.errors import StorageError
 
 Result = TypeVar("Result")
@@ -58,7 +60,10 @@ class Workers:
         if self._pool is None:
             # Not forked: this process may hold the threads of Dr.Jit, which a fork would lose.
             self._pool = ProcessPoolExecutor(
-                self.count, multiprocessing.get_context("spawn"), initializer=begin_worker
+                self.count,
+                multiprocessing.get_context("spawn"),
+                initializer=begin_worker,
+                initargs=(known_disks(),),
             )
         numbers: dict[Future[Result], int] = {}
         try:
@@ -76,8 +81,15 @@ class Workers:
                 future.cancel()
 
 
-def begin_worker() -> None:
-    """Prepare a worker: one thread, Ctrl-C left to its parent, and never to outlive it."""
+def begin_worker(disks: Mapping[Path, int]) -> None:
+    """Prepare a worker: one thread, Ctrl-C left to its parent, and never to outlive it.
+
+    Parameters
+    ----------
+    disks : mapping of Path to int
+        Of the folders that its parent writes into; see ``models.atomic_file``.
+    """
+    remember_disks(disks)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)
     parent = multiprocessing.parent_process()

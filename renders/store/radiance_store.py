@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from models.arrays import AnyArray, Radiance
-from models.atomic_file import forget_disk, link_or_copy, sweep_scratch, write_text
+from models.atomic_file import link_or_copy, sweep_scratch, write_text
 from models.errors import StorageError
 from models.output_folder import check_empty, check_place
 from renders.store.budget import Room, budget_bytes, mark_used
@@ -96,7 +96,6 @@ class RadianceStore:
         StorageError
             If it cannot be written: better now than after the first light is traced.
         """
-        forget_disk(self.folder)
         check_place(self.folder, "--store")
         tag = self.folder / "CACHEDIR.TAG"  # tells backups to pass by; see bford.info/cachedir
         if not tag.is_file():

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from models.at_work import at_work
+from bench.sweep.workers import Workers
 from models.atomic_file import write_bytes
 from models.errors import StorageError
+from models.output_folder import check_place
 from renders.store.radiance_store import RadianceStore
 from tests.support.small_disks import mount, unmount
 
@@ -46,13 +47,11 @@ def test_nothing_is_written_beneath_the_place_of_a_mount(mounted, name):
 def test_a_verb_that_begins_may_find_another_disk(mounted):
     """As where a disk was mounted again, and the system has given it another number."""
     _, seen = mounted
-    (seen / "out").mkdir()
-    with at_work(seen / "out", "run"):
-        write_bytes(seen / "out" / "a", b"1")
+    check_place(seen / "out")
+    write_bytes(seen / "out" / "a", b"1")
     unmount(seen)
-    (seen / "out").mkdir()
-    with at_work(seen / "out", "run"):
-        write_bytes(seen / "out" / "a", b"2")
+    check_place(seen / "out")
+    write_bytes(seen / "out" / "a", b"2")
     assert (seen / "out" / "a").read_bytes() == b"2"
 
 
@@ -62,6 +61,20 @@ def test_a_store_that_is_opened_may_be_on_another_disk(mounted):
     unmount(seen)
     RadianceStore(seen / "store").open_for_writing()
     assert (seen / "store" / "CACHEDIR.TAG").is_file()
+
+
+def writes(path: Path) -> None:
+    write_bytes(path, b"2")
+
+
+def test_workers_do_not_write_beneath_either(mounted):
+    """They are begun after the disk is gone, and know of it from who began them."""
+    _, seen = mounted
+    write_bytes(seen / "out" / "first", b"1")
+    unmount(seen)
+    with Workers(2) as workers, pytest.raises(StorageError, match="no longer on the disk"):
+        list(workers.run(writes, [(seen / "out" / name,) for name in "ab"]))
+    assert not list(seen.iterdir())
 
 
 def test_a_folder_that_was_deleted_is_made_again(tmp_path):
