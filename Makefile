@@ -27,7 +27,7 @@ help:
 	@echo "make check   run the tests, ruff, mypy and the import contracts"
 	@echo "make setup   only set up what the others need, in $(VENV)"
 	@echo "make oracle  compare our light with Blender Cycles' (fetches it, 370 MB, into $(ORACLE))"
-	@echo "make speed   time us against Cycles and against bare Mitsuba; half an hour"
+	@echo "make speed   time us against Cycles, bare Mitsuba, solvers, and one worker; an hour"
 	@echo "make grain   count Monte-Carlo noise and bias in frames; some minutes"
 	@echo "make campaign  do harm to it: hostile inputs, kills, full disks, crowds; hours"
 	@echo "make campaign-short  some of that, in three minutes"
@@ -94,7 +94,8 @@ oracle: $(RUNTIME)
 speed: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)
 	@scripts/make_oracle.sh $(ORACLE)
-	$(PYTHON) -P -m bench.cycles.speed
+	@failed=0; for what in cycles.speed solver_race throughput; do \
+		$(PYTHON) -P -m bench.$$what || failed=1; done; exit $$failed
 
 grain: $(RUNTIME)
 	@scripts/ensure_llvm.sh $(PYTHON)

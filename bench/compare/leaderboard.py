@@ -60,7 +60,7 @@ class Standing:
     values : dict of str to Value
         By measure.
     tied_with_first : bool
-        Whether the interval of its difference from the first holds 0.
+        Whether its difference from the first may be chance.
     """
 
     label: str
@@ -80,7 +80,7 @@ class Pair:
     better_share : Value
         Share of the frames in which one is better; a frame in which both are alike counts half.
     told_apart : bool
-        Whether the interval of the difference leaves out 0.
+        Whether the interval of the difference leaves out 0, of blocks enough to say so.
     """
 
     one: str
@@ -209,7 +209,7 @@ def _pair(
         other=other,
         difference=_value(whole, ends),
         better_share=_value(float(wins.mean()), interval(resampled(wins, mean, how))),
-        told_apart=not ends[0] <= 0.0 <= ends[1],
+        told_apart=how.decides(len(first)) and not ends[0] <= 0.0 <= ends[1],
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from bench.compare import tables
+from bench.compare.bootstrap import FEWEST_BLOCKS
 from bench.compare.comparison import Comparison
 from bench.compare.conditions import conditions
 from bench.compare.figures import condition_figure, recall_figure, standing_figure
@@ -91,7 +92,8 @@ def _board(comparison: Comparison) -> Section:
         note=(
             f"Circular block bootstrap of {how.resamples} resamples, seed {how.seed}, blocks of "
             f'{how.block(frames)} frames; all methods are drawn with the same numbers. "Not told '
-            'apart" is a difference from the first whose interval holds 0.'
+            'apart" is a difference from the first whose interval holds 0, or of fewer than '
+            f"{FEWEST_BLOCKS} blocks, whose signs agree too often by chance."
         ),
     )
 

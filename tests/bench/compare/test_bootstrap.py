@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from bench.compare.bootstrap import Resampling, interval, mean, median, resampled
+from bench.compare.bootstrap import FEWEST_BLOCKS, Resampling, interval, mean, median, resampled
+from bench.compare.leaderboard import leaderboard
 
 TRIALS, FRAMES = 300, 60
 FEWEST, MOST = 0.88, 0.99  # of 95 %: three sigma of 300 trials, and few frames cost some cover
@@ -76,3 +77,23 @@ def test_large_datasets_are_drawn_a_part_at_a_time(monkeypatch):
     parts = resampled(values, mean, Resampling(resamples=100))
     assert len(parts) == len(whole) == 100
     assert parts.mean() == pytest.approx(whole.mean(), abs=0.1)
+
+
+def told_apart(frames: int, block_frames: int, rng) -> bool:
+    """Return whether one method is told from another whose errors are drawn alike."""
+    values = {name: {"speed": rng.normal(size=frames)} for name in ("one", "other")}
+    how = Resampling(resamples=200, block_frames=block_frames)
+    return leaderboard(values, "speed", [], how).pairs[0].told_apart
+
+
+@pytest.mark.parametrize("block_frames", [1, 4])
+def test_few_blocks_tell_no_two_apart_and_as_many_as_decide_seldom_do_by_chance(block_frames):
+    """A sign test of n blocks calls alike methods different in 2 of 2^n: under 5 % from six on."""
+    rng = np.random.default_rng(3)
+    few = (FEWEST_BLOCKS - 1) * block_frames
+    assert 2.0 / 2 ** (FEWEST_BLOCKS - 1) > 0.05 > 2.0 / 2**FEWEST_BLOCKS
+    assert not any(told_apart(few, block_frames, rng) for _ in range(100))
+    how = Resampling(resamples=200, block_frames=block_frames)
+    values = {"one": {"speed": np.zeros(few + block_frames)}}
+    values["other"] = {"speed": np.ones(few + block_frames)}
+    assert leaderboard(values, "speed", [], how).pairs[0].told_apart
