@@ -15,6 +15,7 @@ import shutil
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from glob import escape
 from pathlib import Path
 
 from models.errors import StorageError, cause
@@ -181,6 +182,17 @@ def sweep_scratch(folder: Path) -> int:
             except OSError:  # another process was quicker, or nothing can be deleted here
                 continue
     return swept
+
+
+def sweep_beside(path: Path) -> None:
+    """Delete what killed processes left half written of one file, which is to be written anew.
+
+    For a file that is written into a folder which nobody sweeps first, such as a report's.
+    """
+    for scratch in path.parent.glob(f".{escape(path.name)}.*.part"):
+        with suppress(OSError):
+            if _is_abandoned(scratch):
+                scratch.unlink()
 
 
 def _is_abandoned(scratch: Path) -> bool:

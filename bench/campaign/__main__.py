@@ -99,7 +99,7 @@ class Campaign:
         names = (self.only,) if self.only is not None else KINDS[self.what]
         try_some = try_kills if self.what == "kills" else try_places
         if self.seed is not None:
-            return try_some(names, 1, self.seed, grounds, scratch, set(), until)
+            return try_some(names, 1, self.seed, grounds, scratch, set(), until, once=True)
         own = [each for each in journal.tried if each.kind in names and each.seed >= self.first]
         done = sum(each.kills for each in own) if self.what == "kills" else len(own)
         left = max(0, self.count - done)

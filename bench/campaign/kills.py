@@ -141,6 +141,8 @@ def try_kills(
     scratch: Path,
     seen: Collection[tuple[str, int]],
     until: float | None,
+    *,
+    once: bool = False,
 ) -> Iterator[Tried]:
     """Kill each verb in turn, until there were so many kills, and at least one verb.
 
@@ -156,9 +158,11 @@ def try_kills(
         Verbs and seeds that are left out.
     until : float, optional, s
         Of the monotonic clock: nothing is begun later.
+    once : bool
+        Only the first seed, however few kills it brings.
     """
     campaign, killed, begun = Kills(grounds, scratch), 0, False
-    for seed in itertools.count(first):
+    for seed in [first] if once else itertools.count(first):
         for verb in verbs:
             if (verb, seed) in seen:
                 continue

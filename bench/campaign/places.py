@@ -199,6 +199,8 @@ def try_places(
     scratch: Path,
     seen: Collection[tuple[str, int]],
     until: float | None,
+    *,
+    once: bool = False,
 ) -> Iterator[Tried]:
     """Try each place in turn, so many in all, and at least one; those that cannot be made are told.
 
@@ -213,9 +215,11 @@ def try_places(
         Places and seeds that are left out.
     until : float, optional, s
         Of the monotonic clock: nothing is begun later.
+    once : bool
+        Only the first seed.
     """
     left, tried = list(names), 0
-    for seed in itertools.count(first):
+    for seed in [first] if once else itertools.count(first):
         for name in [each for each in left if (each, seed) not in seen]:
             late = until is not None and time.monotonic() > until
             if tried >= count or (tried and late):

@@ -39,6 +39,7 @@ def set_back():
     return clock() - (seconds if reads < 0 else 0.0)
 time.time = set_back
 """
+WORKER = b"multiprocessing.spawn"
 TIME_LIMIT_S = 3600.0  # a machine may be slow; a process that waits for nothing is the tests' work
 NEVER_THE_SAME = (
     "*.html", "*.runtime.csv", "*.seconds.json", "claims/*.json", "made", "*.part",
@@ -109,24 +110,32 @@ def kill_group(process: subprocess.Popen[str]) -> None:
 
 
 def kill_one_of(process: subprocess.Popen[str], share: float) -> bool:
-    """Kill one of the processes that a verb started, alone; tell whether there was one.
+    """Kill one of the workers that a verb started, alone; tell whether there was one.
 
     Parameters
     ----------
     process : Popen
     share : float
-        Which of them, in the order of their numbers.
+        Which of them, in the order of their numbers. What Python starts to mind what processes
+        share is none: it says by itself that it was killed.
     """
     own = sorted(
         int(path.name)
         for path in Path("/proc").glob("[0-9]*")
-        if (words := words_of(path)) and int(words[1]) == process.pid and words[0] != "Z"
+        if (words := words_of(path)) and int(words[1]) == process.pid and _works(path)
     )
     if own and process.poll() is None:
         with suppress(ProcessLookupError):
             os.kill(own[int(share * len(own))], signal.SIGKILL)
             return True
     return False
+
+
+def _works(process: Path) -> bool:
+    try:
+        return WORKER in (process / "cmdline").read_bytes()
+    except OSError:
+        return False
 
 
 def words_of(process: Path) -> list[str]:

@@ -115,3 +115,14 @@ def test_a_file_in_hand_survives_a_clock_that_was_set_back(tmp_path, monkeypatch
     monkeypatch.setattr(atomic_file, "_BEGAN_S", time.time() + 3600.0)
     scratch.write_bytes(b"of an earlier process with our number")
     assert sweep_scratch(tmp_path) == 1
+
+
+def test_only_what_was_left_of_one_file_is_swept_beside_it(tmp_path) -> None:
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left = [tmp_path / f".{name}.{atomic_file.MACHINE}-{ended.pid}.part" for name in ("a[1]", "b")]
+    alive = tmp_path / f".a[1].{atomic_file.MACHINE}-1.part"
+    for path in (*left, alive):
+        path.write_bytes(b"half")
+    atomic_file.sweep_beside(tmp_path / "a[1]")
+    assert sorted(tmp_path.iterdir()) == sorted([left[1], alive])
