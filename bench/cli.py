@@ -22,6 +22,7 @@ import tyro
 from bench import verbs
 from bench.compare.verb import Compare
 from bench.export.verb import Export
+from bench.fusing.verb import Fuse
 from bench.inspecting.verb import Inspect
 from bench.interrupts import INTERRUPTED, leave, prompt_interrupts, told
 from bench.new.verb import New
@@ -48,6 +49,7 @@ VERBS: dict[str, type[Any]] = {
     "suite": Suite,
     "estimate": verbs.Estimate,
     "score": Score,
+    "fuse": Fuse,
     "compare": Compare,
     "report": verbs.Report,
     "view": View,

@@ -8,10 +8,13 @@ from numpy.typing import NDArray
 
 from bench.pictures import marker_overlay
 from bench.pictures.frame_record import FrameRecord
-from bench.pictures.pair_show import draw_signals
+from bench.pictures.marker_overlay import markers_of
+from bench.pictures.pair_show import Part, draw_signals
 from models.arrays import Floats
 from models.frame import IMAGE
 from models.sensors.bayer_mosaic import BANDS
+from pipelines.detection.region_of_interest import region_of_interest
+from pipelines.eye_in_hand.options import options_for
 
 WHITE = np.array([1.0 / (band.transmission * band.middle_nm) for band in BANDS])
 """What makes sunlit white grey: roughly as much power in each band, and electrons as its length."""
@@ -37,7 +40,26 @@ def overlay(record: FrameRecord, width_px: int) -> NDArray[np.uint8]:
 
 
 def draw(record: FrameRecord) -> NDArray[np.uint8]:
-    """Draw an image laid open, (height, width, 3), RGB: as taken, with marks, and dot by dot."""
+    """Draw an image laid open, (height, width, 3), RGB: as taken, with marks, and dot by dot.
+
+    Beside them the region of interest (equation 15) round the dots, those that are lost named.
+    """
     signal = colour_signal(record)
     grey = np.asarray(signal @ np.full(3, 1.0 / 3.0))
-    return draw_signals(record, {"as taken": signal, "with marks": signal}, grey)
+    by_outline = record.estimate is not None and record.estimate.mode == "outline"
+    return draw_signals(
+        record,
+        {"as taken": signal, "with marks": signal},
+        grey,
+        _region(record, signal),
+        "; by the board's outline" if by_outline else "",
+    )
+
+
+def _region(record: FrameRecord, signal: Floats) -> Part | None:
+    if record.best_known_pose is None:
+        return None
+    told = options_for("paper")
+    places = record.camera.project(record.best_known_pose @ markers_of(record).points_in_target)
+    region = region_of_interest(record.camera, places, (told.s_x, told.s_y))
+    return None if region is None else Part("region of interest", region, signal)

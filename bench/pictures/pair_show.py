@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -24,6 +26,7 @@ from bench.report.numbers import number
 from bench.report.plain_text import take_literally
 from models.arrays import Floats
 from models.frame import IMAGE_800, IMAGE_850
+from pipelines.detection.image_difference import Region
 
 Colour = tuple[float, float, float]
 DPI = 100
@@ -43,8 +46,29 @@ def draw(record: FrameRecord) -> NDArray[np.uint8]:
     return draw_signals(record, signals, signals[DIFFERENCE])
 
 
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A part of a frame that is drawn large, with every marker that is lost named in it.
+
+    Attributes
+    ----------
+    title : str
+    region : Region
+    signal_dn : (height, width) or (height, width, 3) array, DN
+        Of the whole frame.
+    """
+
+    title: str
+    region: Region
+    signal_dn: Floats
+
+
 def draw_signals(
-    record: FrameRecord, signals: dict[str, Floats], in_windows: Floats
+    record: FrameRecord,
+    signals: dict[str, Floats],
+    in_windows: Floats,
+    part: Part | None = None,
+    remark: str = "",
 ) -> NDArray[np.uint8]:
     """Draw a frame laid open, (height, width, 3), RGB.
 
@@ -55,6 +79,10 @@ def draw_signals(
         Pictures by their titles; all but the first with marks.
     in_windows : (height, width) array, DN
         What is shown of each marker.
+    part : Part, optional
+        What is drawn beside them.
+    remark : str
+        Said after how wrong the pose is.
     """
     shown = _shown_markers(record)
     rows = max(1, -(-len(shown) // COLUMNS))
@@ -65,13 +93,16 @@ def draw_signals(
         2, 1, height_ratios=[images, 3.9 * rows], left=0.03, right=0.985, top=0.9, bottom=0.02,
         hspace=0.1,
     )  # fmt: skip
-    columns = grid[0].subgridspec(1, len(signals), wspace=0.08)
+    count = len(signals) + (part is not None)
+    columns = grid[0].subgridspec(1, count, wspace=0.08)
     _draw_images(figure, columns, record, signals)
+    if part is not None:
+        _draw_part(figure.add_subplot(columns[0, count - 1]), record, part)
     windows = grid[1].subgridspec(rows, COLUMNS, wspace=0.12, hspace=0.22)
     for place, marker in enumerate(shown):
         axes = figure.add_subplot(windows[place // COLUMNS, place % COLUMNS])
         _draw_window(axes, record, marker, in_windows)
-    _write_heading(figure, record)
+    _write_heading(figure, record, remark)
     take_literally(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
@@ -117,6 +148,35 @@ def _draw_images(
         axes.imshow(picture, cmap="gray", vmin=0, vmax=1)
         axes.set_title(title, color=INK, fontsize=12)
         _frame(axes)
+
+
+def _draw_part(axes: Axes, record: FrameRecord, part: Part) -> None:
+    region = part.region
+    signal_dn = part.signal_dn[region.part]
+    axes.imshow(
+        stretch(signal_dn, record.detector), cmap="gray", vmin=0, vmax=1,
+        extent=(region.left - 0.5, region.right - 0.5, region.bottom - 0.5, region.top - 0.5),
+    )  # fmt: skip
+    _draw_marks(axes, record)
+    axes.set_xlim(region.left - 0.5, region.right - 0.5)
+    axes.set_ylim(region.bottom - 0.5, region.top - 0.5)
+    for marker in _shown_markers(record):
+        if not _is_used(record, marker):
+            u, v = _window_centre(record, marker)[0].tolist()
+            axes.annotate(
+                f"{markers_of(record).names[marker]} lost", (u, v), xytext=(0, 22),
+                textcoords="offset points", ha="center", color=_rgb(DETECTION_RED), fontsize=11,
+                weight="bold",
+            )  # fmt: skip
+    axes.set_title(part.title, color=INK, fontsize=12)
+    _frame(axes)
+
+
+def _is_used(record: FrameRecord, marker: int) -> bool:
+    said = None if record.estimate is None else record.estimate.detections
+    if said is None:
+        return False
+    return any(own == marker and used for own, used in zip(said.marker, said.used, strict=True))
 
 
 def _draw_window(axes: Axes, record: FrameRecord, marker: int, signal_dn: Floats) -> None:
@@ -185,7 +245,7 @@ def _frame(axes: Axes) -> None:
         spine.set_color("#444a52")
 
 
-def _write_heading(figure: Figure, record: FrameRecord) -> None:
+def _write_heading(figure: Figure, record: FrameRecord, remark: str) -> None:
     frame = record.frame
     words = [
         f"frame {frame.index}",
@@ -196,6 +256,7 @@ def _write_heading(figure: Figure, record: FrameRecord) -> None:
         words.insert(2, f"range {np.linalg.norm(record.truth.cam_from_target.translation):.2f} m")
     figure.text(0.03, 0.965, "   ".join(words), color=INK, fontsize=15, weight="bold", va="center")
     told = f"{record.variant}: {verdict(record)}" if record.variant else verdict(record)
+    told += remark
     figure.text(0.03, 0.938, told, color=INK, fontsize=12, va="center")
     figure.text(0.985, 0.938, STRETCH, color="#9aa2ab", fontsize=9, va="center", ha="right")
     marks = (

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from models.arrays import Floats
+from models.motion.aimed_camera import aimed_camera
 from models.motion.attitude_wobble import AttitudeWobble
 from models.motion.clohessy_wiltshire import (
     GEO_SEMI_MAJOR_AXIS_M,
@@ -164,10 +165,5 @@ class Approach:
         """
         orbital_from_target = self.orbital_target_from_target(time_s)
         chaser = self.chaser_in_orbital_target(time_s)
-        sight = orbital_from_target @ self.aim_in_target(time_s) - chaser
-        z_axis = sight / np.linalg.norm(sight)
-        x_axis = np.array([1.0, 0.0, 0.0]) - z_axis[0] * z_axis
-        x_axis /= np.linalg.norm(x_axis)
-        cam_from_orbital = np.stack([x_axis, np.cross(z_axis, x_axis), z_axis])
-        lens = chaser + self.chaser_com_to_camera_m * z_axis
-        return RigidTransform(cam_from_orbital, -cam_from_orbital @ lens) @ orbital_from_target
+        aim = orbital_from_target @ self.aim_in_target(time_s)
+        return aimed_camera(chaser, aim, self.chaser_com_to_camera_m) @ orbital_from_target

@@ -98,11 +98,14 @@ class ImageAcquisition:
         Why there is none; empty where there is one.
     others : tuple of FoundPose
         The next best that are different poses, best first.
+    rivals : tuple of FoundPose
+        Those that fit alike, so that none is taken; none where there is another reason.
     """
 
     found: FoundPose | None
     reason: str
     others: tuple[FoundPose, ...] = field(default=())
+    rivals: tuple[FoundPose, ...] = field(default=())
 
 
 def reduced(image: Image, camera: Camera, width: int) -> tuple[Image, Camera]:
@@ -242,7 +245,8 @@ class ImageAcquirer:
                 f"(at most {100 * self._options.most_outside:.0f} %)"
             )
             return ImageAcquisition(None, reason, tuple(finals))
-        if others and others[0].check.score > (1.0 - self._options.margin) * score:
+        enough = (1.0 - self._options.margin) * score
+        if others and others[0].check.score > enough:
             one, other = best.fit.cam_from_target, others[0].fit.cam_from_target
             turn = Rotation.from_matrix(one.rotation @ other.rotation.T)
             reason = (
@@ -250,7 +254,8 @@ class ImageAcquirer:
                 f"{np.rad2deg(turn.magnitude()):.0f} deg and "
                 f"{np.linalg.norm(one.translation - other.translation):.2f} m apart"
             )
-            return ImageAcquisition(None, reason, tuple(finals))
+            rivals = tuple(each for each in finals if each.check.score > enough)
+            return ImageAcquisition(None, reason, tuple(finals), rivals)
         return ImageAcquisition(best, "", others)
 
     def _believable(self, check: PoseCheck) -> bool:

@@ -23,6 +23,7 @@ BINS = 24
 LEAST_ARC = 0.3
 SURROUND = (1.3, 1.6)  # radii
 MOST_SURROUND = 0.5  # of the blob's own level: a dot stands on black
+SAME_PLACE = 0.3  # of a radius
 INSIDE_PX = 0.4  # a boundary pixel's centre lies so far inside the edge, in the mean
 
 
@@ -44,6 +45,25 @@ class DotCandidates:
 
     def __len__(self) -> int:
         return len(self.centres)
+
+    def joined(self, other: DotCandidates) -> DotCandidates:
+        """Return these and others; of two circles about one place that of the larger arc.
+
+        Parameters
+        ----------
+        other : DotCandidates
+        """
+        if len(self) == 0 or len(other) == 0:
+            return self if len(other) == 0 else other
+        centres = np.concatenate([self.centres, other.centres])
+        radii = np.concatenate([self.radii, other.radii])
+        arcs = np.concatenate([self.arcs, other.arcs])
+        kept: list[int] = []
+        for index in np.argsort(-arcs, kind="stable").tolist():
+            gaps = np.linalg.norm(centres[kept] - centres[index], axis=1)
+            if not (gaps < SAME_PLACE * radii[index]).any():
+                kept.append(index)
+        return DotCandidates(centres[kept], radii[kept], arcs[kept])
 
     @classmethod
     def none(cls) -> DotCandidates:

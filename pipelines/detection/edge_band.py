@@ -16,7 +16,7 @@ import numpy as np
 from models.arrays import Floats, Indices
 from pipelines.detection.pixel_edge import edge_signal
 
-ITERATIONS = 4
+MOST_ITERATIONS, SETTLED_PX = 12, 1e-3  # a sharp edge, told to be soft, takes some eight
 FAR_INSIDE_PX = 2.5  # beyond it a pixel knows little of the edge's place
 BLUR_RANGE_PX = (0.2, 6.0)
 BLUR_TOLERANCE = 0.5  # 1-sigma of the blur told, relative
@@ -103,7 +103,7 @@ def find_edge(
     pixels = np.bincount(place, minlength=count).astype(np.float64)
     covariance = np.zeros((count, 3, 3))
     residual = weight = np.zeros_like(band.level)
-    for turn in range(ITERATIONS):
+    for turn in range(MOST_ITERATIONS):
         edge = edge_signal(band.depth_px + offset[place], normal_x, normal_y, radius_px, blur)
         model = outside[place] + step[place] * edge.value
         residual = band.level - model
@@ -118,11 +118,13 @@ def find_edge(
             columns, by_blur, residual, weight, place, count, inverse, change, blur, blur_px
         )
         change = change - blur_change * np.einsum("nij,nj->ni", inverse, coupling)
-        if turn < ITERATIONS - 1:
-            outside = outside + change[:, 0]
-            step = step + change[:, 1]
-            offset = np.clip(offset + np.clip(change[:, 2], -1.5, 1.5), -width_px, width_px)
-            blur = float(np.clip(blur + np.clip(blur_change, -0.5, 0.5), *BLUR_RANGE_PX))
+        moved = np.clip(offset + np.clip(change[:, 2], -1.5, 1.5), -width_px, width_px)
+        blurred = float(np.clip(blur + np.clip(blur_change, -0.5, 0.5), *BLUR_RANGE_PX))
+        settled = max(np.abs(moved - offset).max(initial=0.0), abs(blurred - blur)) < SETTLED_PX
+        if settled or turn == MOST_ITERATIONS - 1:
+            break
+        outside, step = outside + change[:, 0], step + change[:, 1]
+        offset, blur = moved, blurred
     freedom = np.maximum(pixels - 3.0, 1.0)
     chi2 = np.bincount(place, weight * residual**2, minlength=count) / freedom
     square = np.bincount(place, residual**2, minlength=count) / freedom

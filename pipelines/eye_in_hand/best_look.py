@@ -11,17 +11,14 @@ from models.arrays import Floats, Image, Indices
 from models.estimate import NO_STATES, Detections, NamedState, PoseEstimate
 from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
-from pipelines.detection.adaptive_threshold import above_threshold, adaptive_threshold, ceil_odd
-from pipelines.detection.bayer_grey import quad_grey
 from pipelines.detection.disc_outline import disc_outlines
-from pipelines.detection.dot_candidates import DotCandidates, find_dots
-from pipelines.detection.image_difference import Region, saturation_level_dn
+from pipelines.detection.dot_candidates import DotCandidates
 from pipelines.detection.lit_disc import KnownDisc
 from pipelines.detection.marker_search import PredictedMarkers, predict_markers
-from pipelines.detection.region_of_interest import region_of_interest
 from pipelines.eye_in_hand.board_outline import pose_from_outline
+from pipelines.eye_in_hand.circle_search import circles_near
 from pipelines.eye_in_hand.dot_identification import rank_matches
-from pipelines.eye_in_hand.dot_refinement import FittedDots, fit_dots
+from pipelines.eye_in_hand.dot_refinement import NO_CIRCLE_PX, FittedDots, fit_dots
 from pipelines.eye_in_hand.options import EyeInHandOptions
 from pipelines.eye_in_hand.sighting import Sighting, blind
 from pipelines.pnp.flight_knowledge import FlightKnowledge
@@ -29,15 +26,16 @@ from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import residuals_px, solve_match
 from pipelines.pnp.three_points import FittingPose, poses_of_three
-from pipelines.pnp.told_errors import with_common_errors
+from pipelines.pnp.told_errors import place_covariance_px2, with_common_errors
 
 SETTLED_PX, SETTLED_SIZE = 0.5, 0.02  # a rim fitted nearer to its pose than this need not be anew
 MOST_SIZE_ERROR = 0.05  # of a fitted dot, against the pose that the dots give
 CIRCLE_PX, CIRCLE_SHARE = 1.0, 0.02  # 1-sigma of a circle's centre, and in its radii
+CIRCLE_RADIUS_PX = 0.5  # 1-sigma of a circle's radius, at half the resolution
 GROWTH, MOST_GROWTH = 0.5, 4.0
 RADIUS_KEY, NORMAL_KEY = "markers.radius_m", "markers.normal_in_target_deg"
-TRIALS, REFITS = 3, 2
-ROUGH_SIZE, ROUGH_SHAPE, OUTSIDE_PX = 0.03, 0.01, -1e6
+REFITS = 2
+ROUGH_SIZE, ROUGH_SHAPE = 0.03, 0.01
 CAPTURE_SIGMAS, CAPTURE_SHARE = 3.0, 0.25  # of a prediction, and in radii
 
 
@@ -101,19 +99,20 @@ class BestLook:
             self._camera,
             self._markers,
             predicted,
-            dots.outlines.area_centres_px,
-            circles.centres,
+            dots.outlines,
+            circles,
             CIRCLE_PX + CIRCLE_SHARE * dots.radius_px,
             self._options.region_sigmas * self._growth(predicted),
         )
         reason, fitted = "", None
-        for chosen in ranked[:TRIALS]:
+        for chosen in ranked:
             rough = self._fitted(raw, circles, chosen, predicted)
             outcome, last = self._posed(raw, rough, predicted)
-            fitted = fitted if fitted is not None else last
             if not isinstance(outcome, str):
                 return self._said(circles, outcome)
             reason = reason or outcome
+            if fitted is None or len(last.match) > len(fitted.match):
+                fitted = last
         assert fitted is not None  # one assignment is that no dot has a circle
         return self._by_outline(raw, circles, fitted, predicted, reason)
 
@@ -158,45 +157,23 @@ class BestLook:
     def _circles(
         self, raw: Image, dots: PredictedMarkers, predicted: PredictedPose
     ) -> DotCandidates:
-        """Look for circles in the region of interest, at half the resolution."""
-        sigma = _largest_sigma_px(dots)
-        slack = self._growth(predicted) * self._options.region_sigmas * sigma
-        region = region_of_interest(
-            self._camera,
-            dots.outlines.area_centres_px,
-            (0.0, 0.0),
-            float(slack + 3.0 * dots.radii_px[1]),
-        )
-        if region is None:
-            return DotCandidates.none()
-        region = Region(region.top & ~1, region.bottom, region.left & ~1, region.right)
-        grey = quad_grey(raw[region.part], self._detector)
-        full_dn = saturation_level_dn(self._detector) - self._detector.bias_dn
-        level = np.clip(grey / np.float32(full_dn), 0.0, 1.0)
-        radius = 0.5 * dots.radius_px
-        window = ceil_odd(radius * self._options.s_cu), ceil_odd(radius * self._options.s_cv)
-        threshold = adaptive_threshold(level, window, self._options.tau_s)
-        faint = 6.0 * self._detector.read_noise_e / self._detector.gain_e_dn / full_dn
-        foreground = above_threshold(level, np.maximum(threshold, np.float32(faint)))
-        low, high = dots.radii_px
-        expected = 0.5 * (dots.outlines.area_centres_px - region.origin_px - 0.5)
-        found = find_dots(level, foreground, (0.5 * low, 0.5 * high), expected, 0.5 * float(slack))
-        centres = 2.0 * found.centres + 0.5 + region.origin_px
-        return DotCandidates(centres, 2.0 * found.radii, found.arcs)
+        slack = self._growth(predicted) * self._options.region_sigmas * _largest_sigma_px(dots)
+        return circles_near(raw, self._camera, self._detector, dots, slack, self._options)
 
     def _fitted(
         self, raw: Image, circles: DotCandidates, chosen: Indices, predicted: PredictedPose
     ) -> FittedDots:
         """Fit the rims of the circles that were chosen."""
         outlines = disc_outlines(self._camera, predicted.pose, self._markers)
-        centres, sizes = np.full((len(chosen), 2), OUTSIDE_PX), np.ones(len(chosen))
+        centres, sizes = np.full((len(chosen), 2), NO_CIRCLE_PX), np.ones(len(chosen))
         has_one = chosen >= 0
         centres[has_one] = circles.centres[chosen[has_one]]
         sizes[has_one] = circles.radii[chosen[has_one]] / outlines.radii_px[has_one]
         # Rough shapes do for rough centres: the size is left nearly free.
+        seen = CIRCLE_RADIUS_PX / float(np.nanmin(outlines.radii_px))
         return fit_dots(
             raw, self._camera, self._detector, self._markers, predicted.pose, centres,
-            self._blur_px, KnownDisc(_size_sigma(predicted), ROUGH_SHAPE), sizes,
+            self._blur_px, KnownDisc(max(_size_sigma(predicted), seen), ROUGH_SHAPE), sizes,
         )  # fmt: skip
 
     def _posed(
@@ -282,13 +259,14 @@ class BestLook:
         seen = self._detections(circles, fitted.match, (False,) * len(fitted.match))
         if self._board is None or len(fitted.match) > 2:
             return Sighting(None, reason, seen)
+        dots = self._as_surveyed(fitted.match, predicted.pose)
         solved = pose_from_outline(
-            raw, self._camera, self._detector, self._markers, self._board, fitted.match,
-            predicted.pose, predicted.covariance, fitted.blur_px, self._options.outline_sigma_m,
+            raw, self._camera, self._detector, self._markers, self._board, dots, predicted.pose,
+            predicted.covariance, fitted.blur_px, self._options.outline_sigma_m,
         )  # fmt: skip
         if isinstance(solved, str):
             return Sighting(None, f"{reason}, {solved}", seen)
-        covariance = self._outline_covariance(fitted.match, solved.pose, solved.covariance)
+        covariance = self._outline_covariance(solved.pose, solved.covariance)
         sigma = np.sqrt(np.diag(covariance))
         options = self._options
         if (
@@ -312,7 +290,13 @@ class BestLook:
         pose = PoseEstimate(solved.pose, covariance, solved.residual_rms_px)
         return Sighting(pose, None, seen, "outline")
 
-    def _outline_covariance(self, match: Match, pose: RigidTransform, own: Floats) -> Floats:
+    def _as_surveyed(self, match: Match, pose: RigidTransform) -> Match:
+        """Add what the dots' survey may be off by: beside edges they are not all there is."""
+        points = self._markers.points_in_target[match.marker]
+        own = place_covariance_px2(self._camera, points, pose, self._sigmas)
+        return Match(match.points_px, match.covariance_px2 + own, match.marker)
+
+    def _outline_covariance(self, pose: RigidTransform, own: Floats) -> Floats:
         """Add what the told errors do to the dots' part, as if the board's corners were points."""
         assert self._board is not None
         corners = self._board.points_in_target

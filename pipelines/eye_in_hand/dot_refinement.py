@@ -20,6 +20,7 @@ LEAST_RADIUS_PX = 2.5  # below, a rim has no sections to speak of
 MOST_SIZE, SIZE_SIGMAS, ROUGHEST_SIZE = 0.07, 4.0, 0.35  # by which a dot may differ from the pose
 FURTHEST_RADII = 0.6
 MOST_CHI2 = 20.0
+NO_CIRCLE_PX = -1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +68,8 @@ def fit_dots(
     pose : RigidTransform
         ``cam_from_target``: tells the outlines' shapes.
     centres_px : (n, 2) array, px
-        Where the outlines' middles are looked for; NaN takes the pose's own.
+        Where the outlines' middles are looked for; NaN takes the pose's own, ``NO_CIRCLE_PX``
+        leaves a dot out.
     blur_px : float, px
         Expected 1-sigma of the lens's blur.
     known : KnownDisc
@@ -89,7 +91,9 @@ def fit_dots(
         radius = float(outlines.radii_px[index])
         by_pose = outlines.area_centres_px[index]
         centre = centres_px[index] if np.isfinite(centres_px[index]).all() else by_pose
-        if radius < LEAST_RADIUS_PX:
+        if centre[0] == NO_CIRCLE_PX:
+            refused[index] = "no circle is taken for it"
+        elif radius < LEAST_RADIUS_PX:
             refused[index] = f"its radius is {radius:.1f} px"
         elif not camera.contains(centre, radius + 2.0):
             refused[index] = "the image cuts it"

@@ -14,6 +14,7 @@ from pipelines.filters.kalman import update as kalman_update
 from pipelines.filters.rotation_process import RotationState, skew, turn_between
 
 _TURN_IS_SEEN = np.hstack([np.eye(3), np.zeros((3, 3))])
+_NONE = np.zeros((3, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,9 @@ class RotationUpdate:
     nis: float
 
 
-def update(state: RotationState, measured: Floats, noise: Floats) -> RotationUpdate:
+def update(
+    state: RotationState, measured: Floats, noise: Floats, effect: Floats = _NONE
+) -> RotationUpdate:
     """Take in a measured attitude.
 
     Parameters
@@ -34,7 +37,9 @@ def update(state: RotationState, measured: Floats, noise: Floats) -> RotationUpd
     measured : (3, 3) array
         ``R_lvlh_from_target`` of a pose.
     noise : (3, 3) array, rad2
-        Covariance of its turn in target axes.
+        Covariance of its turn in target axes, without what lasts.
+    effect : (3, n) array, rad
+        Of the state's n lasting errors on it.
 
     References
     ----------
@@ -43,8 +48,12 @@ def update(state: RotationState, measured: Floats, noise: Floats) -> RotationUpd
     attitude that the correction turns).
     """
     innovation = turn_between(state.R_lvlh_from_target, measured)
-    found = kalman_update(np.zeros(6), state.covariance, innovation, _TURN_IS_SEEN, noise)
-    turned_back = np.eye(6)
+    seen = np.hstack([_TURN_IS_SEEN, effect])
+    size = 6 + len(state.lasting)
+    before = np.concatenate([np.zeros(6), state.lasting])
+    found = kalman_update(before, state.covariance, innovation, seen, noise)
+    turned_back = np.eye(size)
     turned_back[:3, :3] -= 0.5 * skew(found.state[:3])
     covariance = turned_back @ found.covariance @ turned_back.T
-    return RotationUpdate(state.turned(found.state, covariance), found.nis)
+    correction = found.state - before
+    return RotationUpdate(state.turned(correction, covariance), found.nis)

@@ -18,10 +18,12 @@ from models.pose import RigidTransform
 from pipelines.filters import h_infinity, kalman, minimum_energy, multiplicative_ekf
 from pipelines.filters.camera_mount import CameraMount
 from pipelines.filters.covariance_fault import covariance_fault, positive
+from pipelines.filters.lasting_errors import WHITE, LastingErrors
 from pipelines.filters.minimum_energy import NoMinimumEnergy
 from pipelines.filters.multiplicative_ekf import RotationUpdate
 from pipelines.filters.navigation_options import NavigationOptions
-from pipelines.filters.rotation_process import RotationProcess
+from pipelines.filters.pose_measurement import PoseMeasurement, measured
+from pipelines.filters.rotation_process import RotationProcess, turn_between
 from pipelines.filters.translation_process import transition_and_noise
 
 SAME_TIME_S = 1e-9
@@ -90,6 +92,13 @@ class RelativeNavigation:
     inertia_kg_m2 : (3, 3) array, optional
         Of the target, about its centre of mass and in its own axes, where it is known; any
         multiple serves. Only with ``rate_model = "inertial"``.
+    errors : LastingErrors
+        Of the poses; without it they are white.
+
+    Raises
+    ------
+    ValueError
+        If errors last and the filters are not Kalman's, which alone can carry them.
     """
 
     def __init__(
@@ -100,11 +109,18 @@ class RelativeNavigation:
         chaser_sigma_m: float = 0.0,
         chaser_sigma_m_s: float = 0.0,
         inertia_kg_m2: Floats | None = None,
+        errors: LastingErrors = WHITE,
     ) -> None:
+        if errors.count and (options.translation, options.rotation) != ("kalman", "mekf"):
+            raise ValueError(
+                "expected translation = kalman and rotation = mekf where errors last, got "
+                f"{options.translation} and {options.rotation}: take white ones"
+            )
         self._options = options
+        self._errors = errors
         self._mount = CameraMount(cam_from_lvlh)
         self._chaser_sigmas = (chaser_sigma_m, chaser_sigma_m_s)
-        self._process = RotationProcess(options, inertia_kg_m2)
+        self._process = RotationProcess(options, inertia_kg_m2, errors)
         self._translation: Floats | None = None
 
     @property
@@ -133,20 +149,37 @@ class RelativeNavigation:
             Of (turn, rate relative to the local frame), target axes.
         """
         option = self._options
+        if translation_covariance is None:
+            translation_covariance = _diagonal(option.start_sigma_m, option.start_sigma_m_s)
+        if rotation_covariance is None:
+            rotation_covariance = _diagonal(
+                np.deg2rad(option.start_sigma_deg), np.deg2rad(option.start_sigma_deg_s)
+            )
+        unknown = np.zeros((3, self._errors.count))
+        return self._begun(
+            state,
+            chaser,
+            self._errors.begun(translation_covariance, unknown),
+            self._errors.begun(rotation_covariance, unknown),
+        )
+
+    def _begun(
+        self,
+        state: RelativeState,
+        chaser: ChaserState,
+        translation_covariance: Floats,
+        rotation_covariance: Floats,
+    ) -> FilteredState:
+        """Begin from a state, and covariances of it and of what lasts."""
         self._time_s = state.time_s
         self._orbit = KeplerOrbit.from_state(chaser)
-        self._translation = np.concatenate([state.rho_in_lvlh, state.rho_dot_in_lvlh])
-        self._translation_covariance = (
-            _diagonal(option.start_sigma_m, option.start_sigma_m_s)
-            if translation_covariance is None
-            else translation_covariance
-        )
+        lasting = np.zeros(self._errors.count)
+        self._translation = np.concatenate([state.rho_in_lvlh, state.rho_dot_in_lvlh, lasting])
+        self._translation_covariance = translation_covariance
         self._rotation = self._process.state_from_relative(
             state.R_lvlh_from_target,
             state.omega_target_wrt_lvlh_in_target,
-            _diagonal(np.deg2rad(option.start_sigma_deg), np.deg2rad(option.start_sigma_deg_s))
-            if rotation_covariance is None
-            else rotation_covariance,
+            rotation_covariance,
             self._orbit,
             self._time_s,
         )
@@ -174,15 +207,20 @@ class RelativeNavigation:
         fault = _fault(found)
         if fault:
             raise ValueError(f"expected a pose to start from, got one with {fault}")
-        place, place_noise, attitude, turn_noise = self._measured(found, mount)
+        pose = measured(found, mount or self._mount, self._errors)
         option = self._options
         translation = _diagonal(0.0, option.start_sigma_m_s)
-        translation[:3, :3] = place_noise
+        translation[:3, :3] = pose.position_noise
         rotation = _diagonal(0.0, np.deg2rad(option.start_sigma_deg_s))
-        rotation[:3, :3] = turn_noise
-        still = RelativeState(found.time_s, place, np.zeros(3), attitude, np.zeros(3))
-        begun = self.start(
-            still, chaser, translation_covariance=translation, rotation_covariance=rotation
+        rotation[:3, :3] = pose.turn_noise
+        still = RelativeState(
+            found.time_s, pose.position, np.zeros(3), pose.R_lvlh_from_target, np.zeros(3)
+        )
+        begun = self._begun(
+            still,
+            chaser,
+            self._errors.begun(translation, pose.position_effect),
+            self._errors.begun(rotation, pose.turn_effect),
         )
         return replace(begun, used_pose=True)
 
@@ -209,17 +247,21 @@ class RelativeNavigation:
         sigma_m, sigma_m_s = self._chaser_sigmas
         transition, noise = transition_and_noise(
             self._orbit,
-            now,
+            now[:6],
             self._time_s,
             time_s,
             sigma_m=sigma_m,
             sigma_m_s=sigma_m_s,
             acceleration_m_s2=self._options.acceleration_m_s2,
         )
-        self._translation, self._translation_covariance = kalman.predict(
-            now, self._translation_covariance, transition, noise
-        )
+        before = self._rotation.R_lvlh_from_target
         self._rotation = self._process.predict(self._rotation, self._orbit, self._time_s, time_s)
+        turned = turn_between(before, self._rotation.R_lvlh_from_target)
+        self._translation, self._translation_covariance = kalman.predict(
+            now,
+            self._translation_covariance,
+            *self._errors.carried(transition, noise, float(np.linalg.norm(turned))),
+        )
         if self._options.rotation == "minimum_energy" and self._options.forgetting_per_s:
             growth = float(np.exp(self._options.forgetting_per_s * (time_s - self._time_s)))
             self._rotation = replace(self._rotation, covariance=growth * self._rotation.covariance)
@@ -252,9 +294,9 @@ class RelativeNavigation:
         fault = _fault(found)
         if fault:
             return self._refused(f"the pose has {fault}")
-        place, place_noise, attitude, turn_noise = self._measured(found, mount)
-        moved, remark = self._translation_update(now, place, place_noise)
-        turned = self._rotation_update(attitude, turn_noise)
+        pose = measured(found, mount or self._mount, self._errors)
+        moved, remark = self._translation_update(now, pose)
+        turned = self._rotation_update(pose)
         gate = self._options.gate
         if isinstance(turned, NoMinimumEnergy):
             return self._refused(turned.reason, moved.nis)
@@ -282,9 +324,10 @@ class RelativeNavigation:
         return self._filtered(False, reason, translation_nis, rotation_nis)
 
     def _translation_update(
-        self, now: Floats, place: Floats, noise: Floats
+        self, now: Floats, pose: PoseMeasurement
     ) -> tuple[kalman.LinearUpdate, str]:
-        seen = _POSITION_IS_SEEN
+        seen = np.hstack([_POSITION_IS_SEEN, pose.position_effect])
+        place, noise = pose.position, pose.white_position
         if self._options.translation == "kalman":
             return kalman.update(now, self._translation_covariance, place, seen, noise), ""
         found = h_infinity.update(
@@ -301,19 +344,11 @@ class RelativeNavigation:
         plain = kalman.update(now, self._translation_covariance, place, seen, noise)
         return plain, f"Kalman for once: {found.reason}"
 
-    def _rotation_update(self, attitude: Floats, noise: Floats) -> RotationUpdate | NoMinimumEnergy:
+    def _rotation_update(self, pose: PoseMeasurement) -> RotationUpdate | NoMinimumEnergy:
+        attitude, noise = pose.R_lvlh_from_target, pose.white_turn
         if self._options.rotation == "mekf":
-            return multiplicative_ekf.update(self._rotation, attitude, noise)
+            return multiplicative_ekf.update(self._rotation, attitude, noise, pose.turn_effect)
         return minimum_energy.update(self._rotation, attitude, noise)
-
-    def _measured(
-        self, found: Estimate, mount: CameraMount | None
-    ) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return position and its noise in the local frame, attitude and its noise in target."""
-        pose = found.pose
-        if pose is None:
-            raise ValueError(f"expected a pose to measure with, got none: {found.reason}")
-        return (mount or self._mount).measured(pose.cam_from_target, pose.stated_covariance)
 
     def _now(self) -> Floats:
         if self._translation is None:
@@ -332,8 +367,10 @@ class RelativeNavigation:
             self._rotation, self._orbit, self._time_s
         )
         return FilteredState(
-            RelativeState(self._time_s, now[:3], now[3:], self._rotation.R_lvlh_from_target, omega),
-            self._translation_covariance,
+            RelativeState(
+                self._time_s, now[:3], now[3:6], self._rotation.R_lvlh_from_target, omega
+            ),
+            self._translation_covariance[:6, :6],
             rotation_covariance,
             used_pose,
             reason,

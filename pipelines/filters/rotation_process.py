@@ -6,7 +6,7 @@ A turn's error is a small rotation in target axes: ``R_true = R exp([turn]x)``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.motion.kepler_orbit import KeplerOrbit
+from pipelines.filters.lasting_errors import WHITE, LastingErrors
 from pipelines.filters.navigation_options import NavigationOptions
 
 LONGEST_TURN_RAD = 0.05  # of one Runge-Kutta step: its error is below 1e-9 rad then
@@ -64,19 +65,24 @@ class RotationState:
     R_lvlh_from_target : (3, 3) array
     omega_in_target : (3,) array, rad/s
         The rate that the process carries on: relative or inertial, see ``RotationProcess``.
-    covariance : (6, 6) array, rad and rad/s
-        Of (turn, omega).
+    covariance : (6 + n, 6 + n) array, rad and rad/s
+        Of (turn, omega, lasting).
+    lasting : (n,) array
+        Errors of the measured poses, in sigmas; see ``pipelines.filters.lasting_errors``.
     """
 
     R_lvlh_from_target: Floats
     omega_in_target: Floats
     covariance: Floats
+    lasting: Floats = field(default_factory=lambda: np.zeros(0))
 
     def turned(self, correction: Floats, covariance: Floats) -> RotationState:
-        """Return the state after a (6,) correction of (turn, omega)."""
-        turn = turn_matrix(correction[:3])
+        """Return the state after a (6 + n,) correction of (turn, omega, lasting)."""
         return RotationState(
-            self.R_lvlh_from_target @ turn, self.omega_in_target + correction[3:], covariance
+            self.R_lvlh_from_target @ turn_matrix(correction[:3]),
+            self.omega_in_target + correction[3:6],
+            covariance,
+            self.lasting + correction[6:],
         )
 
 
@@ -157,10 +163,18 @@ class RotationProcess:
     options : NavigationOptions
     inertia_kg_m2 : (3, 3) array, optional
         Of the target, in its own axes; its scale does not matter.
+    lasting : LastingErrors
+        Of the measured attitudes.
     """
 
-    def __init__(self, options: NavigationOptions, inertia_kg_m2: Floats | None = None) -> None:
+    def __init__(
+        self,
+        options: NavigationOptions,
+        inertia_kg_m2: Floats | None = None,
+        lasting: LastingErrors = WHITE,
+    ) -> None:
         self._options = options
+        self._lasting = lasting
         self._body = None
         if inertia_kg_m2 is not None and options.rate_model == "inertial":
             self._body = FreeBody(inertia_kg_m2, options.inertia_accuracy)
@@ -185,13 +199,16 @@ class RotationProcess:
             advance = orbit.true_anomaly(to_s) - orbit.true_anomaly(from_s)
             attitude = turn_matrix(np.array([0.0, 0.0, -advance])) @ attitude
         transition, noise = self._linear(0.5 * (state.omega_in_target + omega), spin, step_s)
+        apart = turn_between(state.R_lvlh_from_target, attitude)
+        transition, noise = self._lasting.carried(transition, noise, float(np.linalg.norm(apart)))
         covariance = transition @ state.covariance @ transition.T + noise
-        return RotationState(attitude, omega, 0.5 * (covariance + covariance.T))
+        kept = transition[6:, 6:] @ state.lasting
+        return RotationState(attitude, omega, 0.5 * (covariance + covariance.T), kept)
 
     def relative_from_state(
         self, state: RotationState, orbit: KeplerOrbit, time_s: float
     ) -> tuple[Floats, Floats]:
-        """Return the rate relative to the local frame, (3,) rad/s, and the covariance with it.
+        """Return the rate relative to the local frame, (3,) rad/s, and its (6, 6) covariance.
 
         Parameters
         ----------
@@ -201,14 +218,19 @@ class RotationProcess:
         time_s : float, s
         """
         if self._options.rate_model == "relative":
-            return state.omega_in_target, state.covariance
+            return state.omega_in_target, state.covariance[:6, :6]
         spin = state.R_lvlh_from_target.T @ [0.0, 0.0, orbit.anomaly_rate(time_s)]
         change = np.eye(6)
         change[3:, :3] = -skew(spin)
-        return state.omega_in_target - spin, change @ state.covariance @ change.T
+        return state.omega_in_target - spin, change @ state.covariance[:6, :6] @ change.T
 
     def state_from_relative(
-        self, attitude: Floats, omega: Floats, covariance: Floats, orbit: KeplerOrbit, time_s: float
+        self,
+        attitude: Floats,
+        omega: Floats,
+        covariance: Floats,
+        orbit: KeplerOrbit,
+        time_s: float,
     ) -> RotationState:
         """Return what ``relative_from_state`` takes back.
 
@@ -219,17 +241,18 @@ class RotationProcess:
         omega : (3,) array, rad/s
             Relative to the local frame, in target axes.
         covariance : (6, 6) array, rad and rad/s
-            Of (turn, omega).
+            Of (turn, omega), and of the lasting errors, (6 + n, 6 + n).
         orbit : KeplerOrbit
             The chaser's.
         time_s : float, s
         """
+        lasting = np.zeros(len(covariance) - 6)
         if self._options.rate_model == "relative":
-            return RotationState(attitude, omega, covariance)
+            return RotationState(attitude, omega, covariance, lasting)
         spin = attitude.T @ [0.0, 0.0, orbit.anomaly_rate(time_s)]
-        change = np.eye(6)
-        change[3:, :3] = skew(spin)
-        return RotationState(attitude, omega + spin, change @ covariance @ change.T)
+        change = np.eye(len(covariance))
+        change[3:6, :3] = skew(spin)
+        return RotationState(attitude, omega + spin, change @ covariance @ change.T, lasting)
 
     def acceleration_covariance(self, omega: Floats, spin_of_lvlh: float) -> Floats:
         """Return the (3, 3) covariance of the acceleration that the model leaves out, rad2/s4.

@@ -62,12 +62,13 @@ def prior_covariance(knowledge: FlightKnowledge) -> Floats:
 
 
 class MotionPrediction:
-    """Remembers the last two poses; before the first one, the prior."""
+    """Remembers the last two poses; before the first one, the prior, surest at the first frame."""
 
     def __init__(self, knowledge: FlightKnowledge, options: PredictionOptions) -> None:
         self._prior = knowledge.prior
         self._prior_covariance = prior_covariance(knowledge)
         self._options = options
+        self._prior_s: float | None = None
         self._known: deque[_TimedPose] = deque(maxlen=2)
         self._lost_frames = 0
 
@@ -92,9 +93,12 @@ class MotionPrediction:
         self._lost_frames += 1
 
     def predict(self, time_s: float) -> PredictedPose:
-        """Predict the pose at a time."""
+        """Predict the pose at a time; the first time asked for is that of the prior."""
         if not self._known:
-            return PredictedPose(self._prior, self._prior_covariance, self._lost_frames)
+            self._prior_s = time_s if self._prior_s is None else self._prior_s
+            since_s = max(time_s - self._prior_s, 0.0)
+            grown = self._prior_covariance + self._velocity_covariance(since_s)
+            return PredictedPose(self._prior, grown, self._lost_frames)
         last = self._known[-1]
         ahead_s = max(time_s - last.time_s, 0.0)
         if self._options.prediction == "last_pose" or len(self._known) == 1:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.arrays import Floats
+from models.arrays import Floats, Indices
 from models.camera import Camera
 from models.pose import RigidTransform
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
@@ -20,9 +20,13 @@ from pipelines.tracking.edge_fit import EdgeFit, EdgeImage, fit_edges, normal_ja
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.tracking.pose_check import PoseCheck, check_pose
 
-INDEPENDENT_ON_AN_EDGE = 2.0  # what shifts an edge's samples shifts them together
-DRAWN_OUTSIDE = 0.04  # light outside the silhouette that a right pose may well have
-EDGE_SIGMA_PX = 0.6  # of an edge: the drawing's and the light's errors, measured
+DRAWN_OUTSIDE = 0.06  # light outside the silhouette that a right pose may well have
+DARK_DOUBT = 5.0  # how much more an edge errs where all others lie in the dark
+LEAST_SIGMA_PX = 0.35  # of half an edge: the drawing's and the light's errors, measured
+SHARED = 0.85  # of the samples' rms, what those of half an edge have in common
+OUTLINE_SIGMA_PX = 0.2  # of all outlines together, outwards: measured
+SHIFT_SIGMA_PX = 0.05  # of all edges together, along either axis of the image: measured
+LEAST_EIGENVALUE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -124,34 +128,51 @@ def spread_px(
     return float(np.sqrt(max(float(variance.mean()), 0.0)))
 
 
-def fit_covariance(fit: EdgeFit, camera: Camera, outside: float) -> Floats | None:
+def fit_covariance(fit: EdgeFit, camera: Camera, check: PoseCheck) -> Floats | None:
     """Return the covariance of a fitted pose, (6, 6) rad and m; None where edges do not fix it.
 
-    The samples of one edge err together, so an edge counts as a few of them and no more. Where
-    much light falls outside the silhouette, the image shows what the drawing leaves out, and edges
-    are taken for others: the sigma grows with it, as measured.
+    The fit weighs samples alike, as if each erred by itself, but the samples of an edge err
+    together: what moves the pose is the sum over each half of an edge, of as much as the fit gives
+    it (the covariance of an estimate whose weights are not those of its errors: White 1982,
+    Econometrica 50). All outlines together may lie outside or inside of the drawing's, which is
+    mostly an error of the range, and light from one side moves all edges a little. Where much
+    light falls outside the silhouette, the image shows what the drawing leaves out, and edges are
+    taken for others; where edges lie in the dark, the light ends at shadows that are none of them:
+    the sigma grows with both.
 
     Parameters
     ----------
     fit : EdgeFit
     camera : Camera
-    outside : float
-        See ``PoseCheck``.
+    check : PoseCheck
+        Of the pose.
     """
     samples = fit.samples
-    counts = np.bincount(samples.edge, weights=fit.weights, minlength=int(samples.edge.max()) + 1)
-    share = np.minimum(1.0, INDEPENDENT_ON_AN_EDGE / np.maximum(counts, 1e-9))[samples.edge]
     jacobian = normal_jacobian(camera, fit.cam_from_target, samples)
-    information = (jacobian * (fit.weights * share)[:, None]).T @ jacobian
+    weighted = jacobian * fit.weights[:, None]
+    information = weighted.T @ jacobian
     scale = np.sqrt(np.maximum(np.diag(information), 0.0))
     if scale.min() <= 0.0:
         return None
     balanced = information / np.outer(scale, scale)
-    if np.linalg.eigvalsh(balanced)[0] < 1e-9:
+    if np.linalg.eigvalsh(balanced)[0] < LEAST_EIGENVALUE:
         return None
-    sigma = max(EDGE_SIGMA_PX, fit.rms_px) * (1.0 + (outside / DRAWN_OUTSIDE) ** 2)
-    covariance = sigma**2 * np.linalg.inv(balanced) / np.outer(scale, scale)
+    gain = np.linalg.solve(balanced, (weighted / scale).T) / scale[:, None]
+    half = np.zeros((2 * (int(samples.edge.max()) + 1), 6))
+    np.add.at(half, _halves(samples.edge), gain.T)
+    doubt = 1.0 + (check.outside / DRAWN_OUTSIDE) ** 3 + DARK_DOUBT * check.unseen
+    sigma = max(LEAST_SIGMA_PX, SHARED * fit.rms_px) * doubt
+    swollen = OUTLINE_SIGMA_PX * gain @ samples.outline
+    shifted = SHIFT_SIGMA_PX * gain @ samples.normals_px
+    covariance = sigma**2 * half.T @ half + np.outer(swollen, swollen) + shifted @ shifted.T
     return np.asarray(0.5 * (covariance + covariance.T))
+
+
+def _halves(edge: Indices) -> Indices:
+    """Return the half of an edge that each of its samples, which follow each other, lies on."""
+    first = np.searchsorted(edge, edge, side="left")
+    count = np.bincount(edge)[edge]
+    return 2 * edge + (2 * (np.arange(len(edge)) - first) >= count)
 
 
 def _starts(

@@ -10,14 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.pose import RigidTransform
 from models.wireframe.visibility import visible_landmarks
 from pipelines.acquisition.from_image import (
-    FoundPose,
     ImageAcquirer,
+    ImageAcquisition,
     ImageAcquisitionOptions,
     edge_image,
 )
@@ -38,9 +39,10 @@ from pipelines.uncooperative.options import UncooperativeOptions
 from pipelines.uncooperative.point_pose_finder import PointPoseFinder
 
 NAMED_WITHIN_PX = 3.0  # of 1024 columns: a corner this near to a landmark is it
-SECOND_OPINION_EVERY = 5
+SECOND_OPINION_EVERY = 3
 CLEARLY_BETTER = 0.04
 FAR_SPREAD_PX = 12.0  # a prediction that may miss by more is good for little
+WITHIN = 27.9  # chi2 of six: what a prediction allows for, but once in ten thousand
 POINTS_AS_PRINTED = 25  # the most distinct corners; Algorithm 1 takes no clutter
 
 
@@ -85,6 +87,7 @@ class ImagePoseFinder:
         self._start: SunlitStart | None = None
         self._share = 0.0
         self._unsure_frames = 0
+        self._anew = False
 
     def acquire(self, frame: ImageFrame) -> Estimate:
         """Find the pose without any earlier one.
@@ -116,6 +119,7 @@ class ImagePoseFinder:
         """
         if self._by_points is not None:
             return self._by_points.track(self._points(frame), predicted, covariance)
+        self._anew = False
         image = self._edge_image(frame)
         tracked = track_in_image(image, self._edges, predicted, covariance, self._tracking)
         score = 0.0 if isinstance(tracked, str) else tracked.check.score
@@ -123,29 +127,33 @@ class ImagePoseFinder:
         sure = score >= self._tracking.sure_score
         self._unsure_frames = 0 if sure else self._unsure_frames + 1
         if wide > FAR_SPREAD_PX or self._unsure_frames % SECOND_OPINION_EVERY == 1:
-            better = self._second_opinion(frame, score)
-            if better is not None:
+            outcome = self._acquirer.acquire(frame.image)
+            better = outcome.found
+            if better is not None and better.check.score >= score + CLEARLY_BETTER:
                 estimate = self._said(frame, image, better.fit, better.check)
+                self._anew = better.check.score >= self._tracking.sure_score
                 if wide < FAR_SPREAD_PX:
                     self._share = 0.0
                 return estimate
+            if wide > FAR_SPREAD_PX and undecided(outcome, predicted, covariance):
+                return self._none(frame, outcome.reason, image)
         if isinstance(tracked, str):
             return self._none(frame, tracked, image)
         if tracked.doubt:
             return self._none(frame, tracked.doubt, image)
         return self._said(frame, image, tracked.fit, tracked.check)
 
-    def _second_opinion(self, frame: ImageFrame, score: float) -> FoundPose | None:
-        """Look anew, as if nothing were known; return a pose that fits clearly better.
+    @property
+    def found_anew(self) -> bool:
+        """Whether the last pose tracked was found as if nothing were known, and surely fits.
 
-        It takes as long as ten tracked frames, so it is had only where the prediction is good for
-        little, and at the first and then every fifth of frames in a row that fit poorly. A better
-        pose than the one near a sure prediction puts all of late in doubt: its share is none.
+        Such a look takes as long as ten tracked frames, so it is had only where the prediction is
+        good for little, and at the first and then every third of frames in a row that fit poorly.
+        A clearly better pose than the one near a sure prediction puts all of late in doubt: its
+        share is none. Where the prediction is good for little and allows for several poses that
+        fit alike, it does not decide between them, and nor does where tracking ends.
         """
-        found = self._acquirer.acquire(frame.image).found
-        if found is None or found.check.score < score + CLEARLY_BETTER:
-            return None
-        return found
+        return self._anew
 
     def matched_share(self, frame: ImageFrame, estimate: Estimate) -> float:
         """Return the share of the visible edges in any light that the last pose has found."""
@@ -199,7 +207,7 @@ class ImagePoseFinder:
     def _said(
         self, frame: ImageFrame, image: EdgeImage, fit: EdgeFit, check: PoseCheck
     ) -> Estimate:
-        covariance = fit_covariance(fit, image.camera, check.outside)
+        covariance = fit_covariance(fit, image.camera, check)
         if covariance is None:
             return self._none(frame, "the edges found do not determine a pose", image)
         self._share = check.supported
@@ -245,3 +253,23 @@ class ImagePoseFinder:
         middle = np.array([image.camera.cx, image.camera.cy])
         whole = (corners.points_px - middle) * scale + np.array([camera.cx, camera.cy])
         return whole, corners.sigma_px * scale
+
+
+def undecided(outcome: ImageAcquisition, predicted: RigidTransform, covariance: Floats) -> bool:
+    """Tell whether a prediction allows for more than one of the poses that fit alike.
+
+    Parameters
+    ----------
+    outcome : ImageAcquisition
+    predicted : RigidTransform
+        ``cam_from_target``.
+    covariance : (6, 6) array, rad and m
+        Of the prediction, rotation first.
+    """
+    allowed = 0
+    for rival in outcome.rivals:
+        pose = rival.fit.cam_from_target
+        turn = Rotation.from_matrix(pose.rotation @ predicted.rotation.T).as_rotvec()
+        away = np.concatenate([turn, pose.translation - predicted.translation])
+        allowed += bool(away @ np.linalg.solve(covariance, away) < WITHIN)
+    return allowed > 1

@@ -10,6 +10,7 @@ from pipelines.acquisition.acquisition_options import (
     HypothesizeAndTestOptions,
     TripleSearchOptions,
 )
+from pipelines.filters.lasting_errors import WHITE, LastingErrors
 from pipelines.filters.navigation_options import NavigationOptions, navigation_options_for
 from pipelines.option_checks import variant_among
 from pipelines.tracking.softposit import SoftPositOptions
@@ -38,6 +39,8 @@ class UncooperativeOptions:
         projections of all landmarks, seen or not.
     algorithm_1, triple_search, softposit, navigation
         Settings of the parts.
+    image_errors : LastingErrors
+        Of poses found in images, as the filters take them; those of points are white.
     gate_sigmas : float
         A point matches a landmark within this distance.
     share_to_believe : float
@@ -48,6 +51,8 @@ class UncooperativeOptions:
         Largest rms of a believed pose's residuals, per axis.
     lost_frames : int
         Frames in a row without a pose, after which the target is acquired anew.
+    refused_frames : int
+        Poses in a row that the filters refuse, after which it is the filters that are doubted.
     share_memory_frames : float
         Over which the matched share is averaged (exponentially).
     share_to_doubt, image_share_to_doubt : float
@@ -63,11 +68,13 @@ class UncooperativeOptions:
     triple_search: TripleSearchOptions = field(default_factory=TripleSearchOptions)
     softposit: SoftPositOptions = field(default_factory=SoftPositOptions)
     navigation: NavigationOptions = field(default_factory=NavigationOptions)
+    image_errors: LastingErrors = WHITE
     gate_sigmas: float = 4.0
     share_to_believe: float = 0.5
     share_to_be_sure: float = 0.85
     max_residual_sigmas: float = 1.6
     lost_frames: int = 10
+    refused_frames: int = 3
     share_memory_frames: float = 4.0
     share_to_doubt: float = 0.75
     image_share_to_doubt: float = 0.4
@@ -84,11 +91,16 @@ class UncooperativeOptions:
                 raise ScenarioError(
                     f"uncooperative options: expected {name} between 0 and 1, got {value}"
                 )
-        if self.lost_frames < 1 or not self.gate_sigmas > 0.0 or self.share_memory_frames < 1.0:
+        if (
+            min(self.lost_frames, self.refused_frames) < 1
+            or not self.gate_sigmas > 0.0
+            or self.share_memory_frames < 1.0
+        ):
             raise ScenarioError(
-                "uncooperative options: expected lost_frames and share_memory_frames of at least "
-                f"1 and gate_sigmas above 0, got {self.lost_frames}, {self.share_memory_frames} "
-                f"and {self.gate_sigmas}"
+                "uncooperative options: expected lost_frames, refused_frames and "
+                f"share_memory_frames of at least 1 and gate_sigmas above 0, got "
+                f"{self.lost_frames}, {self.refused_frames}, {self.share_memory_frames} and "
+                f"{self.gate_sigmas}"
             )
 
 
@@ -98,8 +110,12 @@ PAPER = UncooperativeOptions(
     refine=False,
     navigation=navigation_options_for("paper"),
     max_residual_sigmas=3.0,
+    refused_frames=UncooperativeOptions.lost_frames,
 )
-BEST = UncooperativeOptions(navigation=navigation_options_for("best"))
+BEST = UncooperativeOptions(
+    navigation=navigation_options_for("best"),
+    image_errors=LastingErrors(view_share=0.5, steady_share=0.2, view_turn_deg=20.0),
+)
 
 
 def options_for(variant: str) -> UncooperativeOptions:

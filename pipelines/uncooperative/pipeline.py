@@ -18,6 +18,7 @@ from models.frame import Frame
 from models.motion.relative_state import RelativeState
 from models.pose import RigidTransform
 from pipelines.filters.covariance_fault import covariance_fault
+from pipelines.filters.lasting_errors import WHITE
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
 from pipelines.uncooperative.knowledge import (
@@ -98,7 +99,7 @@ class Uncooperative:
         """Estimate the state at one frame, as ``process`` does, of what it shows."""
         finder = self._finder(frame)
         if self._start is not None:
-            self._navigation = self._filters()
+            self._navigation = self._filters(frame)
             self._navigation.start(self._start, frame.chaser)
             self._start = None
         if self._navigation is None:
@@ -108,13 +109,16 @@ class Uncooperative:
 
     def _acquired(self, finder: PoseFinder[Any], frame: Seen, keep: bool = False) -> Estimate:
         """Start from this image alone; where that fails there is no state, but one to keep."""
-        found = finder.acquire(frame)
+        return self._started(finder.acquire(frame), frame, keep)
+
+    def _started(self, found: Estimate, frame: Seen, keep: bool = False) -> Estimate:
+        """Start from a pose that owes nothing to the filters, if there is one."""
         if found.pose is not None and (fault := covariance_fault(found.pose.stated_covariance)):
             found = _refused(found, f"the pose acquired has {fault}")
         if found.pose is None:
             self._navigation = self._navigation if keep else None
             return _said(found, None, "searching")
-        self._navigation = self._filters()
+        self._navigation = self._filters(frame)
         self._lost_frames, self._share = 0, 1.0
         started = self._navigation.start_from_pose(found, frame.chaser, frame.mount)
         return _said(found, started, "acquired")
@@ -137,9 +141,12 @@ class Uncooperative:
             if predicted.used_pose:
                 self._lost_frames = 0
                 return _said(found, predicted, "tracked")
+            if finder.found_anew:
+                return self._started(found, frame)
             found = _refused(found, f"the filters refuse the pose: {predicted.reason}")
         self._lost_frames += 1
-        if self._lost_frames >= self._options.lost_frames:
+        refused = predicted.refused_in_row >= self._options.refused_frames
+        if refused or self._lost_frames >= self._options.lost_frames:
             return self._acquired(finder, frame)
         return _said(found, predicted, "predicted")
 
@@ -186,13 +193,15 @@ class Uncooperative:
             return self._options.share_to_doubt
         return self._options.image_share_to_doubt
 
-    def _filters(self) -> RelativeNavigation:
+    def _filters(self, frame: Seen) -> RelativeNavigation:
+        points = isinstance(frame, PointFrame)
         return RelativeNavigation(
             self._options.navigation,
             self._knowledge.cam_from_lvlh,
             chaser_sigma_m=self._knowledge.chaser_sigma_m,
             chaser_sigma_m_s=self._knowledge.chaser_sigma_m_s,
             inertia_kg_m2=self._knowledge.inertia_kg_m2,
+            errors=WHITE if points else self._options.image_errors,
         )
 
     def _finder(self, frame: Seen) -> PoseFinder[Any]:

@@ -81,6 +81,11 @@ class PointPoseFinder:
             return self._refined(frame, predicted, landmarks, spread_px2)
         return self._raw(frame, predicted, landmarks, spread_px2)
 
+    @property
+    def found_anew(self) -> bool:
+        """Never: points are matched near the prediction."""
+        return False
+
     def matched_share(self, frame: PointFrame, estimate: Estimate) -> float:
         """Return the share matched of the points or of the landmarks shown, the fewer of both."""
         if estimate.pose is None:

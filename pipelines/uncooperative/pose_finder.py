@@ -34,6 +34,10 @@ class PoseFinder(Protocol[Seen]):
             Of the prediction: rotation first, as in ``RigidTransform.perturbed``.
         """
 
+    @property
+    def found_anew(self) -> bool:
+        """Whether the last pose tracked owes nothing to the prediction and surely fits."""
+
     def matched_share(self, frame: Seen, estimate: Estimate) -> float:
         """Return how much of what should match did, from 0 to 1; low over time means a wrong pose.
 

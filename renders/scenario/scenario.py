@@ -60,6 +60,7 @@ from renders.scenario.motion_choice import (
 )
 from renders.scenario.motion_tables import FrameTable, MotionKind, MotionTable
 from renders.scenario.navigation_tables import NavigationTable, check_navigation
+from renders.scenario.orbit_tables import OrbitsTable, check_orbits
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.picture_checks import check_picture
 from renders.scenario.range_tables import RangeFinderTable, check_range_finder
@@ -157,6 +158,9 @@ class Scenario(Table):
     range_finder: RangeFinderTable | None = Field(None, description="along the boresight")
     navigation: NavigationTable | None = Field(
         None, description="the chaser's own, and both orbits in the real field"
+    )
+    orbits: OrbitsTable | None = Field(
+        None, description="of target and chaser, in place of the papers' approach"
     )
     limits: LimitsTable = LimitsTable()  # type: ignore[call-arg]
     asked: AskedTable = AskedTable()  # type: ignore[call-arg]
@@ -317,6 +321,7 @@ def check_scenario(scenario: Scenario, where: str) -> Scenario:
     check_tumble(scenario, where)
     check_range_finder(scenario, where)
     check_navigation(scenario, where)
+    check_orbits(scenario, where)
     check_frames(scenario, where)
     gap = ("the time between images", shortest_gap_ms(scenario))
     if scenario.frame_kind == "pairs":

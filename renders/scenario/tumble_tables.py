@@ -36,7 +36,7 @@ NO_EFFECT: dict[str, tuple[str, ...] | None] = {
 
 
 class OrbitTable(Table):
-    """The chaser's orbit; see ``models.motion.kepler_orbit``."""
+    """An orbit by its elements; see ``models.motion.kepler_orbit``."""
 
     a_km: float = Field(gt=6478.137, le=1e6, description="semi-major axis")
     e: float = Field(0.0, ge=0, le=0.99, description="eccentricity")
@@ -81,7 +81,7 @@ class TumbleTable(Table):
     are given has the axes of the ICRS: there stand the stars. See ``models.motion.tumble``.
     """
 
-    orbit: OrbitTable
+    orbit: OrbitTable = Field(description="the chaser's")
     rho0_m: Triple = Field(description="chaser to target at time zero, local frame")
     rho_dot0_m_s: Annotated[tuple[Speed, Speed, Speed], Field(strict=False)] = Field(
         (0.0, 0.0, 0.0), description="its rate in the turning frame"

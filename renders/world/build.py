@@ -56,6 +56,7 @@ from renders.world.exposure_plan import (
 from renders.world.free_motion import chaser_tables, free_motion, own_navigation
 from renders.world.moving_sun import inertial_sun, with_its_sun
 from renders.world.onboard import BeforeFlight, FirstPose
+from renders.world.orbit_pair import OverAnOrbit, two_orbits
 from renders.world.own_navigation import SensorsAboard
 from renders.world.range_readings import RangeReadings
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
@@ -233,13 +234,13 @@ def _range_finder(
 
 @dataclass(frozen=True, eq=False)
 class Moving:
-    """What moves, unless a target turns freely: the approach, or a table of poses.
+    """What moves, unless a target turns freely: an approach, or a table of poses.
 
     Attributes
     ----------
     trajectory, plan : Trajectory
         As it is, and as the chaser reckons with.
-    sky : FixedInTarget
+    sky : Turning
     table : TableMotion or None
     arm : ArmAboard or None
     told_arm : ToldArm or None
@@ -249,7 +250,7 @@ class Moving:
 
     trajectory: Trajectory
     plan: Trajectory
-    sky: FixedInTarget
+    sky: Turning
     table: TableMotion | None = None
     arm: ArmAboard | None = None
     told_arm: ToldArm | None = None
@@ -288,6 +289,10 @@ def _without_arm(scenario: Scenario) -> Moving:
     if scenario.motion_kind == "poses":
         table = table_motion_of(scenario)
         return Moving(table, table, FixedInTarget(scenario.earth, scenario.stars), table)
+    if scenario.orbits is not None:
+        flown = two_orbits(scenario, scenario.orbits, _target(scenario))
+        by_date = scenario.sun.default == EPOCH
+        return Moving(flown, flown.planned, OverAnOrbit(flown), by_date=by_date)
     approach = Approach() if scenario.motion.target_wobble else Approach(pointing_accuracy_deg=0.0)
     flight_plan = replace(approach, pointing_accuracy_deg=0.0)  # the target does not sway
     sky = FixedInTarget(scenario.earth, _stars(scenario), approach.wobble)

@@ -146,7 +146,7 @@ def sun_not_behind_the_earth(world: World) -> None:
             raise ScenarioError(
                 f"expected a date on which the Earth does not hide the Sun; at "
                 f"{exposure.time_s:.1f} s it does: give another motion.epoch_utc, or another "
-                "motion.longitude_deg"
+                + ("orbit" if world.scenario.orbits is not None else "motion.longitude_deg")
             )
 
 

@@ -33,7 +33,7 @@ def test_every_key_stands_in_it_with_a_meaning() -> None:
     # Their keys are listed, absent as they are.
     tables = {
         "tumble", "frame", "markers", "told", "drift", "own_target", "surface", "arm",
-        "range_finder", "navigation", "shutter",
+        "range_finder", "navigation", "shutter", "orbits",
     }  # fmt: skip
     plain = Scenario(name="x")  # type: ignore[call-arg]
     assert {key.split(".")[-1] for key in leaves(plain)} - named <= tables

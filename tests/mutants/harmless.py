@@ -13,12 +13,12 @@ LIST = Path(__file__).with_name("harmless.toml")
 EQUIVALENT, JUDGEMENT, HOLE = "equivalent", "judgement", "hole"
 
 
-def read_harmless(path: Path = LIST) -> dict[str, list[dict[str, str]]]:
+def read_harmless(path: Path = LIST) -> dict[str, list[dict[str, Any]]]:
     """Return the lists of ``harmless.toml``."""
     return tomllib.loads(path.read_text())
 
 
-def kind_of(survivor: Mapping[str, Any], harmless: Mapping[str, list[dict[str, str]]]) -> str:
+def kind_of(survivor: Mapping[str, Any], harmless: Mapping[str, list[dict[str, Any]]]) -> str:
     """Tell what it means that a mutant survived.
 
     Returns
@@ -33,6 +33,7 @@ def kind_of(survivor: Mapping[str, Any], harmless: Mapping[str, list[dict[str, s
             return EQUIVALENT
     if survivor["slip"] == ONE_PERCENT:
         for each in harmless.get("judgement", ()):
-            if each["file"] == survivor["file"] and each["line"] in survivor["before"]:
+            listed = any(line in survivor["before"] for line in each["lines"])
+            if each["file"] == survivor["file"] and listed:
                 return JUDGEMENT
     return HOLE

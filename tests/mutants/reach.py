@@ -110,6 +110,8 @@ def tests_reaching(
 ) -> tuple[list[str], float]:
     """Choose tests that reach any of a file's lines: its own file's, its folder's, the cheapest.
 
+    A constant is reached by whoever imports it; those that run something of its file come first.
+
     Returns
     -------
     tuple
@@ -127,7 +129,8 @@ def tests_reaching(
         far = 0 if test_file == own_file else 1 if str(Path(test_file).parent) == folder else 2
         # The others of the file may use what a fixture, an import or a cache has kept of it.
         found += [
-            (far, test not in direct, own_s, test, test_file) for test, own_s in reach.tests.items()
+            (far, (test not in direct) + (test not in by_test), own_s, test, test_file)
+            for test, own_s in reach.tests.items()
         ]
     chosen, files, cost_s = list[str](), set[str](), 0.0
     for *_, own_s, test, test_file in sorted(found):

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.mutants import reach as reaching
 from tests.mutants.harmless import EQUIVALENT, HOLE, JUDGEMENT, LIST, kind_of, read_harmless
 from tests.mutants.mutation import is_numeric, places
+from tests.mutants.reach import FileReach
 from tests.mutants.slips import ONE_PERCENT
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -77,17 +79,34 @@ def test_what_is_harmless_is_said_of_lines_that_are_there_with_a_reason():
         assert kind in (EQUIVALENT, JUDGEMENT)
         for each in entries:
             assert len(each["why"]) > 15
-            said = each["line" if kind == JUDGEMENT else "before"]
             text = " ".join((HOUSE / each["file"]).read_text().split())
-            assert said in text, f"{LIST.name}: no longer a line of {each['file']}: {said}"
+            for said in each["lines"] if kind == JUDGEMENT else [each["before"]]:
+                assert said in text, f"{LIST.name}: no longer a line of {each['file']}: {said}"
 
 
 def test_a_judgement_forgives_one_percent_and_no_more():
-    entries = {"judgement": [{"file": "a.py", "line": "LIMIT = 3.0", "why": ""}]}
+    entries = {"judgement": [{"file": "a.py", "lines": ["LIMIT = 3.0"], "why": ""}]}
     own = {"file": "a.py", "before": "LIMIT = 3.0", "after": "LIMIT = 3.03", "slip": ONE_PERCENT}
     assert kind_of(own, entries) == JUDGEMENT
     assert kind_of({**own, "slip": "number"}, entries) == HOLE
     assert kind_of({**own, "before": "OTHER = 3.0"}, entries) == HOLE
+
+
+def test_the_tests_of_a_line_come_before_those_that_only_import_its_file():
+    """Of a constant, those that run something of its file; what costs too much is left out."""
+    reach = FileReach(
+        {"runs": 2.0, "runs_the_line": 1.0, "imports": 0.1, "dear": 50.0},
+        0.5,
+        {"a.py": {"": [1, 2, 5], "runs": [6], "runs_the_line": [3], "dear": [3]}},
+    )
+    reached = {"tests/test_a.py": reach}
+    constant, cost_s = reaching.tests_reaching("a.py", [1], reached, 3.55)
+    assert constant == ["runs_the_line", "runs"]
+    assert cost_s == 3.5
+    every = ["runs_the_line", "runs", "imports"]
+    assert reaching.tests_reaching("a.py", [1], reached, 9.0)[0] == every
+    assert reaching.tests_reaching("a.py", [3], reached, 9.0)[0] == every
+    assert reaching.tests_reaching("a.py", [4], reached, 9.0) == ([], 0.0)
 
 
 def test_a_mutant_is_seen_on_import_and_the_file_is_as_it_was(tmp_path):

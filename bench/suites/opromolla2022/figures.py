@@ -112,27 +112,43 @@ def centroid_figure(outcomes: Outcomes, own: Sequence) -> str:
 
 
 def sun_figure(suns: Many[MappedSun]) -> str:
-    """Draw Figure 22: where each Sun stands in the orbital frame, and what came of it."""
+    """Draw Figure 22: where each Sun stands in the orbital frame, and what came of it.
+
+    A heavy rim: truth has less than 90 % of some dot lit and seen. Beneath, where frames are lost
+    or the outline helped: poses of how many frames, and in brackets those by the outline.
+
+    Parameters
+    ----------
+    suns : sequence of MappedSun
+    """
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots(1, 2, sharey=True)
         for panel, variant in zip(axes, SHOWN, strict=True):
             for own in suns:
                 azimuth_deg, elevation_deg = EYE_IN_HAND_SUNS_DEG[own.sun]
-                colour = own.verdicts[variant].colour
+                told = own.verdicts[variant]
+                colour = told.colour
                 panel.plot(
                     azimuth_deg, elevation_deg, MARKS[colour], color=FIGURE_22[colour], ms=9.0,
-                    mec=INK, mew=0.5,
+                    mec=INK, mew=1.8 if told.few else 0.5,
                 )  # fmt: skip
+                if told.poses < told.frames or told.outline_of_few:
+                    outline = f" ({told.outline_of_few})" if told.outline_of_few else ""
+                    panel.annotate(
+                        f"{told.poses}/{told.frames}{outline}", (azimuth_deg, elevation_deg),
+                        xytext=(0, -13), textcoords="offset points", ha="center", fontsize=6.0,
+                    )  # fmt: skip
                 panel.annotate(
                     own.sun.removeprefix("E-S"), (azimuth_deg, elevation_deg), xytext=(0, 7),
                     textcoords="offset points", ha="center", fontsize=7.0,
                 )  # fmt: skip
             panel.set_title(TITLES[variant])
             panel.set_xlabel("azimuth in the orbital plane, deg")
+            panel.margins(0.08, 0.12)
             panel.invert_xaxis()
         axes[0].set_ylabel("elevation, deg")
-        told = {
+        legend = {
             "green": "all dots in every frame",
             "yellow": "some lost from a frame on",
             "red": "all lost from a frame on",
@@ -141,11 +157,17 @@ def sun_figure(suns: Many[MappedSun]) -> str:
             Line2D(
                 [], [], ls="none", marker=MARKS[name], color=FIGURE_22[name], mec=INK, label=text
             )
-            for name, text in told.items()
+            for name, text in legend.items()
         ]
-        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+        handles.append(
+            Line2D(
+                [], [], ls="none", marker="o", color="none", mec=INK, mew=1.8,
+                label="some dot in shadow",
+            )
+        )  # fmt: skip
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
 
-    return drawn_svg(draw, (11.0, 4.2))
+    return drawn_svg(draw, (11.0, 4.6))
 
 
 def sensitivity_figure(studies: Many[FlownSequence]) -> str:

@@ -98,9 +98,10 @@ def fly(task: FlightTask, frames: str) -> Outcome:
     Returns
     -------
     Outcome
-        ``time_s``, ``range_m`` (frames,), ``whole`` (frames, markers); and for each set of errors
-        and variant ``SET/VARIANT/errors`` (runs, frames, 6), m and deg, NaN without a pose;
-        ``nees``, ``wrong``, ``missed``, ``attitude_deg``, ``reason`` (runs, frames);
+        ``time_s``, ``range_m`` (frames,), ``whole``, ``shown`` (frames, markers), the latter the
+        share of each that is lit and seen; and for each set of errors and variant
+        ``SET/VARIANT/errors`` (runs, frames, 6), m and deg, NaN without a pose; ``nees``,
+        ``wrong``, ``missed``, ``outline``, ``attitude_deg``, ``reason`` (runs, frames);
         ``centroids`` (runs, frames, markers, 2), px, NaN where none was used. ``SET/exact/errors``
         is what exact centroids give. Seconds of one core, by frame.
 
@@ -213,6 +214,7 @@ def _judged(
     square = frame_nees(pose, truth)
     length_m = float(np.linalg.norm(error.position_m))
     row |= {
+        "outline": said.mode == "outline",
         "errors": [*error.position_m, *error.euler_deg],
         "attitude_deg": error.attitude_deg,
         "nees": np.nan if square is None else square,
@@ -231,6 +233,7 @@ class _Tables:
             "nees": ((), np.float32, np.nan),
             "wrong": ((), np.bool_, False),
             "missed": ((), np.bool_, False),
+            "outline": ((), np.bool_, False),
             "reason": ((), f"<U{MOST_REASON}", ""),
             "centroids": ((markers, 2), np.float32, np.nan),
         }
@@ -238,6 +241,7 @@ class _Tables:
             "time_s": np.zeros(frames),
             "range_m": np.zeros(frames),
             "whole": np.zeros((frames, markers), dtype=np.bool_),
+            "shown": np.zeros((frames, markers)),
         }
         for name in task.errors:
             shape = (task.runs, frames, 6)
@@ -252,6 +256,7 @@ class _Tables:
         self._values["time_s"][index] = once.time_s
         self._values["range_m"][index] = np.linalg.norm(once.truth.cam_from_target.translation)
         self._values["whole"][index] = whole
+        self._values["shown"][index] = np.minimum(once.truth.visible, once.truth.lamp_lit)
 
     def put(self, cell: str, run: int, index: int, row: Mapping[str, Any]) -> None:
         """Note what came of a frame in a run."""

@@ -202,9 +202,21 @@ def _map(results: Results) -> list[Section]:
         Section(
             "Figure 22: the map of Suns",
             text="One run under each Sun. Elevation is from the orbital plane, azimuth in it; 90 "
-            "and 0 is straight behind the chaser.",
-            figures=(Figure(svg_address(figures.sun_figure(results.suns)), "Figure 22"),),
+            "and 0 is straight behind the chaser. A frame has all dots where truth has at least "
+            "90 % of each lit and seen; in such a frame a pose is missed if there is none. In the "
+            "others the published pipeline has no pose to find, and best one where the board's "
+            "outline makes it observable. Wrong: beyond 5 cm or 5 deg, and beyond what its "
+            "covariance allows.",
+            figures=(
+                Figure(
+                    svg_address(figures.sun_figure(results.suns)),
+                    "Figure 22",
+                    "Beneath a Sun, where frames are lost or the outline helped: poses of how many "
+                    "frames, and in brackets those by the outline.",
+                ),
+            ),
             tables=(
+                TitledTable("What holds", tables.sun_rule_table(results.suns), wide=True),
                 TitledTable("Each Sun", tables.sun_table(results.suns), wide=True, folded=True),
             ),
         )

@@ -21,6 +21,7 @@ IN_TABLES = np.array([100.0, 100.0, 100.0, 1.0, 1.0, 1.0])  # cm and deg
 ALLOWED_OVER_PAPER = 1.02
 STANDARD_ERRORS = 3.0
 OVER_EXACT = 1.1
+SHOWN_ENOUGH = 0.9  # of a marker: it must be found
 PARAMETERS = ("tx", "ty", "tz", "alpha", "beta", "gamma")
 
 
@@ -40,6 +41,7 @@ class Runs:
         self.time_s: Floats = outcomes[0].values["time_s"]
         self.range_m: Floats = outcomes[0].values["range_m"]
         self.whole: Mask = outcomes[0].values["whole"]
+        self.shown: Floats = outcomes[0].values["shown"]
         self.errors: Floats = self.of("errors").astype(np.float64)
 
     def of(self, name: str) -> AnyArray:
@@ -266,38 +268,59 @@ class SunVerdict:
     colour : str
         As in Figure 22: green, all markers at every frame; yellow, some lost from a frame on;
         red, all lost.
+    dots : list of floats
+        Share of each that truth has lit and seen, the least of all frames.
     poses, frames : int
-    all_whole : int
-        Frames in which truth has all markers lit and visible.
-    posed_of_whole : int
+    all_shown : int
+        Frames in which truth has at least 90 % of every marker lit and seen.
+    posed_of_shown : int
         Those of them with a pose.
+    posed_of_few, outline_of_few : int
+        Of the other frames: those with a pose, and with one for which the outline helped.
     overconfident : int
         Poses that are beyond 5 cm or 5 deg with a claimed covariance that forbids it.
+    reason : str
+        Told most often for none; empty where there is none to tell.
     """
 
     colour: str
+    dots: list[float]
     poses: int
     frames: int
-    all_whole: int
-    posed_of_whole: int
+    all_shown: int
+    posed_of_shown: int
+    posed_of_few: int
+    outline_of_few: int
     overconfident: int
+    reason: str
+
+    @property
+    def few(self) -> int:
+        """Frames in which truth has less of some marker."""
+        return self.frames - self.all_shown
 
 
 def sun_verdict(runs: Runs) -> SunVerdict:
     """Judge one Sun of the map by its single run."""
     used = np.isfinite(runs.of("centroids")[0, ..., 0])
     posed = np.isfinite(runs.errors[0, :, 0])
-    whole = runs.whole.all(axis=1)
+    shown = (runs.shown >= SHOWN_ENOUGH).all(axis=1)
+    by_outline = runs.of("outline")[0]
     colour = "green"
     if not (used.all(axis=1) & posed).all():
         colour = "yellow" if used.any(axis=1).all() else "red"
+    reasons = Counter(text for text in runs.of("reason")[0][~posed].tolist() if text)
     return SunVerdict(
         colour,
+        runs.shown.min(axis=0).tolist(),
         int(posed.sum()),
         len(posed),
-        int(whole.sum()),
-        int((posed & whole).sum()),
+        int(shown.sum()),
+        int((posed & shown).sum()),
+        int((posed & ~shown).sum()),
+        int((posed & ~shown & by_outline).sum()),
         int(runs.of("wrong")[0].sum()),
+        reasons.most_common(1)[0][0] if reasons else "",
     )
 
 

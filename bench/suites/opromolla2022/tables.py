@@ -159,21 +159,47 @@ def rms_table(flown: Iterable[FlownSequence]) -> Table:
 
 def sun_table(suns: Iterable[MappedSun]) -> Table:
     """List what came of each Sun of the map."""
-    told = ("colour", "poses", "of frames with all dots lit", "wrong", "position, mm: rms")
-    head = ["", *(f"{TITLES[variant]}: {what}" for variant in SHOWN for what in told)]
+    told = ("colour", "poses", "by the outline", "wrong", "mm, rms", "deg, rms", "why none")
+    head = ["", "dots lit and seen, %", "frames with all",
+            *(f"{TITLES[variant]}: {what}" for variant in SHOWN for what in told)]  # fmt: skip
     rows = []
     for own in suns:
-        cells = [own.sun]
+        first = own.verdicts[SHOWN[0]]
+        dots = ", ".join(f"{100.0 * share:.0f}" for share in first.dots)
+        cells = [own.sun, dots, f"{first.all_shown} of {first.frames}"]
         for variant in SHOWN:
             one, frames = own.verdicts[variant], own.per_frame[variant]
             cells += [
                 one.colour,
                 f"{one.poses} of {one.frames}",
-                f"{one.posed_of_whole} of {one.all_whole}",
+                count(one.outline_of_few),
                 count(one.overconfident),
                 number(frames.position_mm[2] if frames.position_mm else None),
+                number(frames.attitude_deg[2] if frames.attitude_deg else None),
+                one.reason or NONE,
             ]
         rows.append(cells)
+    return Table(head, rows, {}, {})
+
+
+def sun_rule_table(suns: Iterable[MappedSun]) -> Table:
+    """Sum over the map what holds where all dots are lit and seen, and where not."""
+    head = ["", "frames with all dots", "of them with a pose", "other frames", "with a pose",
+            "of them by the outline", "wrong poses"]  # fmt: skip
+    rows = []
+    for variant in SHOWN:
+        own = [each.verdicts[variant] for each in suns]
+        rows.append(
+            [
+                TITLES[variant],
+                count(sum(each.all_shown for each in own)),
+                count(sum(each.posed_of_shown for each in own)),
+                count(sum(each.few for each in own)),
+                count(sum(each.posed_of_few for each in own)),
+                count(sum(each.outline_of_few for each in own)),
+                count(sum(each.overconfident for each in own)),
+            ]
+        )
     return Table(head, rows, {}, {})
 
 

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from models.arrays import Floats, Indices, Mask
 
@@ -125,7 +126,8 @@ def welded(triangles: Floats) -> Welded:
     size = float(np.linalg.norm(np.ptp(corners, axis=0))) or 1.0
     cells = np.rint((corners - corners.min(axis=0)) / (WELD_SHARE * size)).astype(np.int64)
     _, where, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-    points, faces = corners[where], np.asarray(number).reshape(-1, 3)
+    points, number = _across_borders(corners[where], np.asarray(number), WELD_SHARE * size)
+    faces = number.reshape(-1, 3)
     sides = points[faces]
     area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
     good = (area > FLAT_SHARE * size**2) & ~(faces == np.roll(faces, 1, axis=1)).any(axis=1)
@@ -133,3 +135,14 @@ def welded(triangles: Floats) -> Welded:
     _, once = np.unique(np.sort(faces[source], axis=1), axis=0, return_index=True)
     kept = source[np.sort(once)]
     return Welded(points, faces[kept], kept, len(faces) - len(source), len(source) - len(kept))
+
+
+def _across_borders(points: Floats, number: Indices, near: float) -> tuple[Floats, Indices]:
+    """Join points that are near each other in different cells: return those left, and numbers."""
+    pairs = cKDTree(points).query_pairs(near, output_type="ndarray")
+    if not len(pairs):
+        return points, number
+    graph = coo_matrix((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(points),) * 2)
+    _, group = connected_components(graph, directed=False)
+    _, first, joined = np.unique(group, return_index=True, return_inverse=True)
+    return points[first], np.asarray(joined)[number]

@@ -102,3 +102,11 @@ def test_what_is_no_arm_is_refused():
     rod = Capsule(2, "rod", np.zeros(3), np.ones(3), 0.1)
     with pytest.raises(ValueError, match="got rod on none"):
         Arm("short", here, (joint,), here, (rod,))
+
+
+def test_the_middle_of_an_arm_is_halfway_between_its_limits():
+    arm = house_arm()
+    np.testing.assert_allclose(arm.middle_rad - arm.lower_rad, arm.upper_rad - arm.middle_rad)
+    own = drawn_arm(np.random.default_rng(3))
+    np.testing.assert_allclose(own.middle_rad - own.lower_rad, own.upper_rad - own.middle_rad)
+    assert (own.upper_rad > own.lower_rad).all()

@@ -46,3 +46,16 @@ def test_it_reads_at_its_rate(rate_hz, share):
 def test_what_cannot_be_is_refused(wrong):
     with pytest.raises(ScenarioError, match=f"range finder: expected {next(iter(wrong))}"):
         RangeFinder(**wrong)
+
+
+def test_a_wrong_echo_is_anywhere_within_its_span_but_not_behind_the_lens():
+    """Evenly about the truth: mean, 2 L / sqrt(12) of spread, and its ends; none below zero."""
+    span_m = 6.0
+    wrong = np.array(readings(RangeFinder(outlier_share=1.0, outlier_span_m=span_m)))
+    assert wrong.mean() == pytest.approx(20.0, abs=4.0 * span_m / np.sqrt(3.0 * DRAWS))
+    assert wrong.std() == pytest.approx(span_m / np.sqrt(3.0), rel=0.03)
+    assert wrong.min() == pytest.approx(20.0 - span_m, abs=0.02)
+    assert wrong.max() == pytest.approx(20.0 + span_m, abs=0.02)
+    near = np.array(readings(RangeFinder(outlier_share=1.0, outlier_span_m=span_m), true_m=3.0))
+    assert near.min() == 0.0
+    assert np.mean(near == 0.0) == pytest.approx(0.25, abs=0.03)

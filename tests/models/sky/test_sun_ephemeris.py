@@ -10,7 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import ScenarioError
-from models.sky.sun_ephemeris import J2000, epoch_of, sun_dir_in_inertial
+from models.sky.sun_ephemeris import (
+    J2000,
+    epoch_of,
+    right_ascension_over,
+    sun_dir_in_inertial,
+)
 
 ALMANAC_DEG = 0.015  # the formula is good to 0.01 deg; the ecliptic turns by half of that
 
@@ -91,3 +96,30 @@ def test_what_is_no_date_in_utc_is_refused(text: str) -> None:
 def test_years_of_which_the_formula_knows_nothing_are_refused(text: str) -> None:
     with pytest.raises(ScenarioError, match="1950 to 2049"):
         epoch_of(text)
+
+
+@pytest.mark.parametrize("day", [20, 80, 171, 265])
+def test_at_true_noon_the_sun_stands_over_the_meridian(day: int) -> None:
+    """Where the Sun is overhead: 15 deg an hour from noon, less the equation of time (NOAA's)."""
+    epoch = datetime(2024, 1, 1, 9, 30, tzinfo=UTC) + timedelta(days=day - 1)
+    turn = 2.0 * np.pi / 366.0 * (day - 1 + (9.5 - 12.0) / 24.0)
+    minutes = 229.18 * (
+        7.5e-5 + 1.868e-3 * np.cos(turn) - 0.032077 * np.sin(turn)
+        - 0.014615 * np.cos(2.0 * turn) - 0.040849 * np.sin(2.0 * turn)
+    )  # fmt: skip
+    overhead_deg = 15.0 * (12.0 - 9.5 - minutes / 60.0)
+    x, y, _ = sun_dir_in_inertial(epoch)
+    apart_deg = np.rad2deg(np.arctan2(y, x)) - right_ascension_over(overhead_deg, epoch)
+    assert abs((apart_deg + 180.0) % 360.0 - 180.0) < 0.25  # the formula is good to half a minute
+
+
+def test_a_meridian_is_under_the_same_stars_after_a_sidereal_day() -> None:
+    """Sidereal time at noon of 2000 is 280.46062 deg; the equinox moves 1.2812 deg a century."""
+    assert right_ascension_over(0.0, J2000) == pytest.approx(280.46062, abs=1e-6)
+    assert right_ascension_over(100.0, J2000) == pytest.approx(20.46062, abs=1e-6)
+    century = J2000 + timedelta(days=36525)
+    turned = right_ascension_over(0.0, century)
+    sidereal = (280.46062 + 360.98564737 * 36525) % 360.0 - 1.2812
+    assert turned == pytest.approx(sidereal % 360.0, abs=1e-6)
+    later = J2000 + timedelta(seconds=86_164.0989)
+    assert right_ascension_over(0.0, later) == pytest.approx(280.46062, abs=1e-4)

@@ -5,6 +5,7 @@ import pytest
 
 from models.gravity.field import GravityField, earth_gravity
 from models.quaternions import from_rotation_vector, multiplied, rotated
+from pipelines.absolute import options
 from pipelines.absolute.dynamics import carried, modelled_gravity, process_noise_factor
 from pipelines.absolute.error_state import SIZE
 from pipelines.absolute.options import absolute_options_for
@@ -89,3 +90,11 @@ def test_noise_of_many_steps_is_noise_of_one(options):
     assert total / np.outer(scale, scale) == pytest.approx(
         large @ large.T / np.outer(scale, scale), abs=1e-9
     )
+
+
+def test_the_constants_on_board_are_those_of_wgs_84_and_egm() -> None:
+    """GM as GPS and EGM have it, the equator's radius, and J2 of EGM2008 to its printed digits."""
+    assert options.EARTH_RADIUS_M == 6_378_137.0
+    assert pytest.approx(earth_gravity(2).j2, rel=2e-5) == options.J2
+    assert earth_gravity(2).mu_m3_s2 == options.EGM_MU_M3_S2
+    assert pytest.approx(1.0, abs=2e-7) == options.GPS_MU_M3_S2 / options.EGM_MU_M3_S2

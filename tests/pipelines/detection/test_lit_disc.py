@@ -92,7 +92,9 @@ def test_a_dot_that_a_shadow_cuts_is_found_by_its_lit_part(through_m: float) -> 
 
 def test_a_dot_of_which_hardly_any_rim_is_lit_is_refused_with_a_reason() -> None:
     pose = facing(0.5, [4.0, -6.0, 10.0])
-    scene = DotScene(pose, lit=shadow_from((1.0, 0.0), (LEFT_DOT[0] - 0.0085, 0.0)))
+    shadow = shadow_from((1.0, 0.0), (LEFT_DOT[0] - 0.0085, 0.0))
+    # Black: where the shadow has a hundredth of the light, what lies in it is found.
+    scene = DotScene(pose, lit=lambda points: np.where(shadow(points) < 1.0, 0.0, 1.0))
     told = fitted(raw_image(scene), outlines_of(pose), 0)
     assert isinstance(told, str)
     assert "of its rim" in told

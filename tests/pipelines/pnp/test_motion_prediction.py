@@ -67,3 +67,13 @@ def test_the_covariance_is_that_of_a_line_through_two_points() -> None:
     motion.found(2.0, pose_at(2.0), 4.0 * COVARIANCE)
     ahead = motion.predict(3.0).covariance
     np.testing.assert_allclose(ahead, (1.5**2 * 4.0 + 0.5**2) * COVARIANCE, rtol=1e-12)
+
+
+def test_a_prior_grows_old_until_there_is_a_pose() -> None:
+    """It is of the first frame; a second later the target may have moved as far as its speed."""
+    motion, options = prediction(), Options()
+    first = motion.predict(10.0).covariance
+    later = motion.predict(13.0).covariance
+    grown = np.deg2rad(options.velocity_deg_s * 3.0) ** 2, (options.velocity_m_s * 3.0) ** 2
+    np.testing.assert_allclose(np.diag(later - first), [*3 * [grown[0]], *3 * [grown[1]]])
+    np.testing.assert_array_equal(motion.predict(9.0).covariance, first)  # never surer

@@ -53,3 +53,11 @@ def test_its_covariance_is_that_of_its_errors():
     squares = np.einsum("ni,ij,nj->n", errors, np.linalg.inv(told), errors)
     assert squares.mean() / 3.0 == pytest.approx(1.0, abs=0.07)
     np.testing.assert_allclose(np.var(errors, axis=0), np.diag(told), rtol=0.12)
+
+
+def test_the_covariance_of_three_stars_square_to_each_other_is_half_a_stars() -> None:
+    """About each axis two of them tell: v / 2; with one twice as sure, by hand."""
+    np.testing.assert_allclose(wahba_covariance(np.eye(3), np.full(3, 4e-10)), 2e-10 * np.eye(3))
+    found = wahba_covariance(np.eye(3), np.array([1e-10, 4e-10, 4e-10]))
+    expected = 1.0 / np.array([0.5e10, 1.25e10, 1.25e10])
+    np.testing.assert_allclose(found, np.diag(expected))

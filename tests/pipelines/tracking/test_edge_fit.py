@@ -84,7 +84,7 @@ def test_the_covariance_does_not_promise_too_much(
     within = []
     for run, (image, one) in enumerate(zip(images, tracked, strict=True)):
         assert isinstance(one, TrackedPose)
-        covariance = fit_covariance(one.fit, image.camera, one.check.outside)
+        covariance = fit_covariance(one.fit, image.camera, one.check)
         assert covariance is not None
         found, truth = one.fit.cam_from_target, pose_of(run)
         turn = Rotation.from_matrix(truth.rotation @ found.rotation.T).as_rotvec()

@@ -1,0 +1,1 @@
+"""Estimates of two cameras of one flight, made one."""

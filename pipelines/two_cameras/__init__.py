@@ -1,0 +1,1 @@
+"""Two cameras on one chaser, chained by its arm: one state of both."""
