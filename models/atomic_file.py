@@ -13,8 +13,9 @@ import platform
 import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from glob import escape
 from pathlib import Path
 
 from models.errors import StorageError, cause
@@ -34,6 +35,7 @@ MACHINE = hashlib.sha256(_process_numbers().encode()).hexdigest()[:8]
 SCRATCH_NAME = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<process>\d+)\.part")
 _BEGAN_S = time.time()
 _IN_HAND: set[Path] = set()  # scratch files of this process
+_DISKS: dict[Path, int] = {}  # of folders that this process has written into
 
 
 @contextmanager
@@ -50,11 +52,13 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
     Raises
     ------
     StorageError
-        If the disk is full or read-only; what stood at ``path`` before still does.
+        If the disk is full, read-only or gone; what stood at ``path`` before still does.
     """
     scratch = path.with_name(f".{path.name}.{MACHINE}-{os.getpid()}.part")
     try:
+        _refuse_another_disk(path)
         path.parent.mkdir(parents=True, exist_ok=True)
+        _DISKS.setdefault(path.parent, _disk_of(path.parent))
         _IN_HAND.add(scratch)
         try:
             yield scratch
@@ -70,6 +74,41 @@ def whole_or_absent(path: Path, size_bytes: int | None = None) -> Iterator[Path]
             f"expected to write {path}{size}, got: {cause(error)}; {_mend(path, error)}; "
             "everything written so far is whole, and the same command goes on from there"
         ) from error
+
+
+def forget_disk(folder: Path) -> None:
+    """Let a folder and those below it be on another disk than before: a verb begins in it."""
+    for known in [each for each in _DISKS if each == folder or folder in each.parents]:
+        _DISKS.pop(known, None)
+
+
+def known_disks() -> dict[Path, int]:
+    """Return the disks that folders were on, for a process that goes on with the work."""
+    return dict(_DISKS)
+
+
+def remember_disks(known: Mapping[Path, int]) -> None:
+    """Take over what another process knows of the disks that folders were on."""
+    _DISKS.update(known)
+
+
+def _refuse_another_disk(path: Path) -> None:
+    """Refuse to write where the disk of before is gone, as beneath the place of its mount."""
+    known = next((each for each in path.parents if each in _DISKS), None)
+    if known is not None and _disk_of(known) != _DISKS[known]:
+        raise StorageError(
+            f"expected to write {path}, got: {known} is no longer on the disk that it was on when "
+            "this began; mount it again: everything written so far is whole, and the same command "
+            "goes on from there"
+        )
+
+
+def _disk_of(folder: Path) -> int:
+    """Return the number of the disk that a folder is on, or would be."""
+    for place in (folder, *folder.parents):
+        with suppress(FileNotFoundError, NotADirectoryError):
+            return os.stat(place).st_dev
+    return os.stat(os.curdir).st_dev
 
 
 def _mend(path: Path, error: OSError) -> str:
@@ -145,6 +184,17 @@ def sweep_scratch(folder: Path) -> int:
     return swept
 
 
+def sweep_beside(path: Path) -> None:
+    """Delete what killed processes left half written of one file, which is to be written anew.
+
+    For a file that is written into a folder which nobody sweeps first, such as a report's.
+    """
+    for scratch in path.parent.glob(f".{escape(path.name)}.*.part"):
+        with suppress(OSError):
+            if _is_abandoned(scratch):
+                scratch.unlink()
+
+
 def _is_abandoned(scratch: Path) -> bool:
     named = SCRATCH_NAME.fullmatch(scratch.name)
     if named is None:
@@ -156,7 +206,8 @@ def _is_abandoned(scratch: Path) -> bool:
         return False
     process = int(named["process"])
     if process == os.getpid():
-        return written_s < _BEGAN_S  # an earlier process had our number
+        # An earlier process had our number; or ours is in hand, and the clock was set back since.
+        return written_s < _BEGAN_S and scratch not in _IN_HAND
     return not _is_alive(process)
 
 

@@ -7,14 +7,15 @@ import os
 from collections.abc import Collection
 from pathlib import Path
 
-from models.atomic_file import SCRATCH_NAME
+from models.atomic_file import SCRATCH_NAME, forget_disk
 from models.errors import DatasetError, StorageError, cause
+from models.folder_kinds import kind_of
 
 MOST_NAMED = 6
 
 
 def check_place(folder: Path, option: str = "--out") -> None:
-    """Refuse a place where no folder can be, or none that we may write.
+    """Refuse a place where no folder can be, or none that we may write; a verb begins there.
 
     Parameters
     ----------
@@ -28,6 +29,7 @@ def check_place(folder: Path, option: str = "--out") -> None:
     DatasetError, StorageError
         Nothing was changed.
     """
+    forget_disk(folder)
     place = folder
     while not os.path.lexists(place) and place.parent != place:
         place = place.parent
@@ -68,6 +70,11 @@ def check_empty(folder: Path, meant: str, own: Collection[str] = (), option: str
     found = [name for name in foreign_names(folder) if name.rstrip("/") not in own]
     if not found:
         return
+    if (kind := kind_of(folder)) is not None:
+        raise DatasetError(
+            f"expected {folder} to be empty or to hold {meant}; it holds another kind of folder of "
+            f"rvbench's, a {kind}; nothing was changed: choose another {option}"
+        )
     more = f" and {len(found) - MOST_NAMED} more" if len(found) > MOST_NAMED else ""
     raise DatasetError(
         f"expected {folder} to be empty or to hold {meant}; it holds what rvbench did not make: "

@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import tempfile
 import time
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
-from rich import box
-from rich.table import Table
 from tyro.conf import Positional, arg
 
 from bench.campaign.grounds import make_grounds
 from bench.campaign.hostile.running import trials, try_again, try_all
-from bench.campaign.hostile.table import hostile_table, told_faults
 from bench.campaign.hostile.trial import NAMES
-from bench.campaign.kills import KILLED, Kills
-from bench.campaign.places import PLACES, Skipped, try_place
+from bench.campaign.journal import FAULT, Journal, Tried
+from bench.campaign.kills import KILLED, try_kills
+from bench.campaign.places import PLACES, try_places
+from bench.campaign.tables import fault_line, table_of
 from models.errors import RvbenchError
 from models.plain_console import plain_console
 
+KINDS: dict[str, tuple[str, ...]] = {
+    "hostile": NAMES,
+    "kills": tuple(KILLED),
+    "places": tuple(PLACES),
+}
 Seconds = Annotated[float | None, arg(metavar="S", help_behavior_hint="")]
 
 
@@ -37,28 +41,30 @@ class Campaign:
         python -m bench.campaign kills --count 1000
         python -m bench.campaign places --count 60
 
-    Exit code 1 if it did not.
+    Exit code 1 if it did not. What was tried is kept in OUT/WHAT.jsonl and not tried again: the
+    same command goes on, and its table is of all trials.
     """
 
     what: Positional[Literal["hostile", "kills", "places"]]
     """files and command lines that cannot be right; verbs killed and gone on with; disks that are
-    full or read-only, clocks that run back, and two to eight who write at once"""
+    full, read-only or gone, clocks that run back, and two to eight who write at once"""
     count: int = 100
-    """inputs, kills, or places"""
+    """inputs, kills, or places, those among them that were tried before"""
     first: int = 0
     """first seed"""
     only: Annotated[str | None, arg(metavar="KIND", help_behavior_hint="")] = None
     """a single kind, as the table names it"""
     seed: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
-    """of that kind, this seed alone: what a fault names"""
+    """of that kind, this seed alone, again: what a fault names"""
     seconds: Seconds = None
-    """begin nothing after so many seconds"""
+    """begin nothing after so many seconds, but one of each kind of hostile inputs, or a single
+    trial, is always tried"""
     full: bool = True
     """hostile inputs to the folders, too, that take minutes to make"""
     workers: int = 2
     """processes that try hostile inputs"""
     out: Path = Path("out/campaign")
-    """grounds, which are made once, and WHAT.json"""
+    """grounds, which are made once, and WHAT.jsonl"""
 
     def run(self) -> int:
         """Do it; return the exit code.
@@ -68,92 +74,50 @@ class Campaign:
         RvbenchError
             If there is no such kind, or a seed comes without one.
         """
-        kinds = {"hostile": NAMES, "kills": tuple(KILLED), "places": tuple(PLACES)}[self.what]
+        began = time.monotonic()
+        kinds = KINDS[self.what]
         if self.only is not None and self.only not in kinds:
             raise RvbenchError(f"expected --only one of {', '.join(kinds)}, got {self.only!r}")
         if self.seed is not None and self.only is None:
             raise RvbenchError("expected --only KIND with --seed, which is one of a kind's")
-        grounds = (self.out / "grounds").resolve()
-        os.environ.setdefault("RVBENCH_CACHE", str(self.out.resolve() / "cache"))
-        make_grounds(grounds, tumble=self.full and self.what == "hostile")
-        if self.what == "hostile":
-            return self._hostile(grounds)
-        return self._kills(grounds) if self.what == "kills" else self._places(grounds)
-
-    def _hostile(self, grounds: Path) -> int:
-        if self.seed is not None:
+        out = self.out.resolve()
+        os.environ.setdefault("RVBENCH_CACHE", str(out / "cache"))
+        journal = Journal(out / f"{self.what}.jsonl")
+        make_grounds(out / "grounds", tumble=self.full and self.what == "hostile")
+        if self.what == "hostile" and self.seed is not None:
             assert self.only is not None
-            return try_again(self.only, self.seed, grounds, self.out.resolve() / "trial")
-        asked = trials(self.count, self.first, self.only, full=self.full)
-        found = try_all(asked, grounds, self.workers, self.seconds)
-        faults = told_faults(found)
-        plain_console().print(hostile_table(found))
-        self._write([asdict(each) for each in found], faults)
-        return int(bool(faults))
-
-    def _kills(self, grounds: Path) -> int:
-        verbs = [self.only] if self.only is not None else list(KILLED)
-        counted = {verb: [0, 0, 0] for verb in verbs}
-        faults, seed, began = list[str](), self.seed or self.first, time.monotonic()
+            return try_again(self.only, self.seed, out / "grounds", out / "trial")
+        until = None if self.seconds is None else began + self.seconds
         with tempfile.TemporaryDirectory(prefix="rvbench-campaign-") as scratch:
-            campaign = Kills(grounds, Path(scratch))
-            while sum(own[1] for own in counted.values()) < self.count and self._goes_on(began):
-                for verb in verbs:
-                    killed, fault = campaign.try_one(verb, seed)
-                    row = counted[verb]
-                    row[0], row[1], row[2] = row[0] + 1, row[1] + killed, row[2] + bool(fault)
-                    self._tell(faults, verb, seed, fault)
-                seed += 1
-                if self.seed is not None:
-                    break
-        self._print(("verb", "gone on with", "kills", "faults"), counted)
-        self._write(counted, faults)
+            return self._told(journal, self._tried(journal, until, Path(scratch)))
+
+    def _tried(self, journal: Journal, until: float | None, scratch: Path) -> Iterator[Tried]:
+        grounds = (self.out / "grounds").resolve()
+        if self.what == "hostile":
+            asked = trials(self.count, self.first, self.only, full=self.full)
+            return try_all(journal.left(asked), grounds, scratch, self.workers, until)
+        names = (self.only,) if self.only is not None else KINDS[self.what]
+        try_some = try_kills if self.what == "kills" else try_places
+        if self.seed is not None:
+            return try_some(names, 1, self.seed, grounds, scratch, set(), until, once=True)
+        own = [each for each in journal.tried if each.kind in names and each.seed >= self.first]
+        done = sum(each.kills for each in own) if self.what == "kills" else len(own)
+        left = max(0, self.count - done)
+        return try_some(names, left, self.first, grounds, scratch, journal.seen, until)
+
+    def _told(self, journal: Journal, tried: Iterator[Tried]) -> int:
+        """Keep and tell each trial as it ends; return the exit code."""
+        before, faults = len(journal.tried), list[str]()
+        for each in tried:
+            if self.seed is None:
+                journal.keep(each)
+            if each.ended == FAULT:
+                faults.append(fault_line(each))
+                print(faults[-1], file=sys.stderr, flush=True)
+        shown = journal.tried
+        plain_console().print(table_of(self.what, KINDS[self.what], shown))
+        print("\n".join([*faults, f"{len(shown) - before} tried now, {len(faults)} faults"]))
         return int(bool(faults))
-
-    def _places(self, grounds: Path) -> int:
-        names = [self.only] if self.only is not None else list(PLACES)
-        counted = {name: [0, 0, 0] for name in names}
-        faults, began = list[str](), time.monotonic()
-        each = 1 if self.seed is not None else max(1, self.count // len(names))
-        first = self.first if self.seed is None else self.seed
-        with tempfile.TemporaryDirectory(prefix="rvbench-campaign-") as scratch:
-            for seed in range(first, first + each):
-                for name in names:
-                    if not self._goes_on(began):
-                        break
-                    try:
-                        fault = try_place(name, seed, grounds, Path(scratch) / "place")
-                    except Skipped as why:
-                        counted[name][2] += 1
-                        print(f"{name}: skipped: {why}", file=sys.stderr)
-                        continue
-                    counted[name][0] += 1
-                    counted[name][1] += bool(fault)
-                    self._tell(faults, name, seed, fault)
-        self._print(("place", "tried", "faults", "skipped"), counted)
-        self._write(counted, faults)
-        return int(bool(faults))
-
-    def _goes_on(self, began: float) -> bool:
-        return self.seconds is None or time.monotonic() - began < self.seconds
-
-    def _tell(self, faults: list[str], kind: str, seed: int, fault: str) -> None:
-        if fault:
-            faults.append(f"--only {kind!r} --seed {seed}: {fault}")
-            print(faults[-1], file=sys.stderr, flush=True)
-
-    def _print(self, titles: tuple[str, ...], counted: dict[str, list[int]]) -> None:
-        table = Table(box=box.SIMPLE)
-        for place, title in enumerate(titles):
-            table.add_column(title, justify="right" if place else "left")
-        for name, row in counted.items():
-            table.add_row(name, *map(str, row))
-        plain_console().print(table)
-
-    def _write(self, told: object, faults: list[str]) -> None:
-        print("\n".join([*faults, f"{len(faults)} faults"]))
-        text = json.dumps({"faults": faults, "told": told}, indent=0)
-        (self.out / f"{self.what}.json").write_text(text + "\n")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ except Reached:
 """
 SUITE = (
     "suite", "pesce2019", "--quick", "--parts", "table7", "--runs", "1", "--seeds", "1",
-    "--acquisitions", "1", "--duration-s", "60", "--paper-runs", "1", "--workers", "1",
+    "--acquisitions", "1", "--duration-s", "60", "--paper-runs", "1",
 )  # fmt: skip
 FORMAT = "yolo-pose"
 CAMPAIGN = Path(__file__).resolve().parent
@@ -74,12 +74,12 @@ def make_grounds(folder: Path, *, tumble: bool) -> None:
         store = ("--out", place / "data", "--store", place / "store")
         _made(place, cases, "sweep", "small.toml", *typed, *store)
         place = folder / "suite"
-        _made(place, cases, *SUITE, "--out", place / "data")
+        _made(place, cases, *SUITE, "--workers", "1", "--out", place / "data")
 
 
 def _made(place: Path, cases: Path, *typed: object, begun: bool = False) -> None:
     """Run a verb unless this code has run it; ``begun`` stops it where it would render."""
-    code = _code()
+    code = code_of_the_house()
     if (place / "made").is_file() and (place / "made").read_text() == code:
         return
     shutil.rmtree(place, ignore_errors=True)
@@ -95,7 +95,7 @@ def _made(place: Path, cases: Path, *typed: object, begun: bool = False) -> None
 
 
 @lru_cache(maxsize=1)
-def _code() -> str:
+def code_of_the_house() -> str:
     """Return a hash of all code of the house but the campaign's: another makes other folders."""
     digest = hashlib.sha256()
     for room in ("models", "renders", "pipelines", "bench"):

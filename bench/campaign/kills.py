@@ -1,24 +1,37 @@
 """Verbs killed at random instants, again and again, then left to end: the bytes are the same.
 
-Of a seed, half the kills come as a file is about to get its name, counted in files, so that they
-can be repeated to the step; the others at an instant of the clock, wherever the process then is,
-in a kernel or a library, its workers with it.
+Half the kills come as a file is about to get its name, counted in files, so that a seed repeats
+them to the step. Others come at an instant of the clock, wherever the process then is, in a kernel
+or a library, its workers with it; and some hit one of its workers alone, of which it must tell.
 """
 
 from __future__ import annotations
 
+import itertools
 import shutil
 import time
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from bench.campaign.grounds import FORMAT, SUITE
-from bench.campaign.processes import contents, differences, ended, fault_of, kill, start
+from bench.campaign.journal import FAULT, Tried
+from bench.campaign.processes import (
+    contents,
+    differences,
+    ended,
+    fault_of,
+    kill_group,
+    kill_one_of,
+    processor_s,
+    start,
+)
 
 DRAW = 1815
 MOST_KILLS = 3
+HOWS = ("at a file", "at a file", "at an instant", "a worker")
 STORE = ("--store", "store")
 KILLED: dict[str, tuple[str, ...]] = {
     "render": ("render", "cases/small.toml", "--out", "out", *STORE),
@@ -29,7 +42,7 @@ KILLED: dict[str, tuple[str, ...]] = {
     ),
     "dataset": ("dataset", "cases/spec.toml", "--workers", "2", "--out", "out"),
     "export": ("export", "pairs/data", "--as", FORMAT, "--out", "out"),
-    "suite": (*SUITE, "--out", "out"),
+    "suite": (*SUITE, "--workers", "2", "--out", "out"),
 }  # fmt: skip
 
 
@@ -74,18 +87,11 @@ class Kills:
         random = np.random.default_rng([DRAW, list(KILLED).index(verb), seed])
         place, killed = self._place(f"{verb}-{seed}"), 0
         for _ in range(int(random.integers(1, MOST_KILLS + 1))):
-            at_a_file, share = random.random() < 0.5, random.random()
-            if at_a_file:
-                process = start(KILLED[verb], place, struck=int(share * whole.files))
-                code = ended(process).code
-            else:
-                process = start(KILLED[verb], place)
-                time.sleep(share * whole.seconds)
-                kill(process)
-                code = process.returncode
-            if code not in (0, -9):
-                return killed, f"exit code {code} of a verb that was killed and went on"
-            killed += code != 0
+            how, share = HOWS[int(random.integers(len(HOWS)))], random.random()
+            now, fault = self._struck(verb, place, how, share)
+            killed += now
+            if fault:
+                return killed, fault
         fault = fault_of(ended(start(KILLED[verb], place)), 0)
         fault = fault or differences(whole.made, _made(place))
         if not fault and (left := sorted(place.rglob("*.part"))):
@@ -93,6 +99,22 @@ class Kills:
         if not fault:
             shutil.rmtree(place)
         return killed, fault
+
+    def _struck(self, verb: str, place: Path, how: str, share: float) -> tuple[bool, str]:
+        """Begin a verb and kill it, or one of its workers; return whether so, and the fault."""
+        whole = self.whole[verb]
+        if how == "at a file":
+            process = start(KILLED[verb], place, struck=int(share * whole.files))
+            heard, killed, may_end = ended(process), True, (0, -9)
+        else:
+            process = start(KILLED[verb], place)
+            time.sleep(share * whole.seconds)
+            killed = how == "a worker" and kill_one_of(process, share)
+            may_end = (0, 2) if killed else (0, -9)
+            if not killed:
+                kill_group(process)
+            heard = ended(process)
+        return killed and heard.code != 0, fault_of(heard, *may_end)
 
     def _undisturbed(self, verb: str) -> Undisturbed:
         place = self._place(verb)
@@ -109,6 +131,49 @@ class Kills:
         for ground in ("cases", "pairs"):
             (place / ground).symlink_to(self.grounds / ground)
         return place
+
+
+def try_kills(
+    verbs: Sequence[str],
+    count: int,
+    first: int,
+    grounds: Path,
+    scratch: Path,
+    seen: Collection[tuple[str, int]],
+    until: float | None,
+    *,
+    once: bool = False,
+) -> Iterator[Tried]:
+    """Kill each verb in turn, until there were so many kills, and at least one verb.
+
+    Parameters
+    ----------
+    verbs : sequence of str
+    count : int
+        Kills that found a verb alive.
+    first : int
+        Seed.
+    grounds, scratch : Path
+    seen : collection of (str, int)
+        Verbs and seeds that are left out.
+    until : float, optional, s
+        Of the monotonic clock: nothing is begun later.
+    once : bool
+        Only the first seed, however few kills it brings.
+    """
+    campaign, killed, begun = Kills(grounds, scratch), 0, False
+    for seed in [first] if once else itertools.count(first):
+        for verb in verbs:
+            if (verb, seed) in seen:
+                continue
+            late = until is not None and time.monotonic() > until
+            if killed >= count or (begun and late):
+                return
+            begun, began_s = True, processor_s()
+            now, fault = campaign.try_one(verb, seed)
+            killed += now
+            ended = FAULT if fault else "stood"
+            yield Tried(verb, seed, ended, fault, now, processor_s() - began_s)
 
 
 def _made(place: Path) -> dict[str, str]:

@@ -18,15 +18,28 @@ from bench.campaign.hostile.verdict import Heard, fault_of_message
 PROGRAM = "import sys; from bench.cli import main; sys.exit(main())"
 STRUCK = """
 import os, pathlib, signal, sys
-number, rename = int(sys.argv.pop(1)), pathlib.Path.replace
+number, befalls, rename = int(sys.argv.pop(1)), sys.argv.pop(1), pathlib.Path.replace
 def replace(scratch, place):
     global number
     number -= 1
-    if number < 0:
+    if number < 0 and not befalls:
         os.killpg(0, signal.SIGKILL)
-    return rename(scratch, place)
+    renamed = rename(scratch, place)
+    if number == -1 and befalls:
+        os.system(befalls)
+    return renamed
 pathlib.Path.replace = replace
 """
+SET_BACK = """
+import sys, time
+reads, seconds, clock = int(sys.argv.pop(1)), float(sys.argv.pop(1)), time.time
+def set_back():
+    global reads
+    reads -= 1
+    return clock() - (seconds if reads < 0 else 0.0)
+time.time = set_back
+"""
+WORKER = b"multiprocessing.spawn"
 TIME_LIMIT_S = 3600.0  # a machine may be slow; a process that waits for nothing is the tests' work
 NEVER_THE_SAME = (
     "*.html", "*.runtime.csv", "*.seconds.json", "claims/*.json", "made", "*.part",
@@ -35,7 +48,12 @@ KEYS_NEVER_THE_SAME = frozenset({"runtime_ms", "store", "seconds", "frame_ms"})
 
 
 def start(
-    typed: Sequence[object], cwd: Path, env: Mapping[str, str] | None = None, struck: int = -1
+    typed: Sequence[object],
+    cwd: Path,
+    env: Mapping[str, str] | None = None,
+    struck: int = -1,
+    befalls: str = "",
+    set_back: tuple[int, float] | None = None,
 ) -> subprocess.Popen[str]:
     """Start a verb in a process group of its own.
 
@@ -48,10 +66,18 @@ def start(
     struck : int
         Files that get their names before the whole group is killed, just before the next one does;
         below zero for never.
+    befalls : str
+        What a shell does instead of the kill, once that next one has its name.
+    set_back : (int, float), optional
+        How often the clock is read before it is set back, and by how many seconds.
     """
-    program = (STRUCK + PROGRAM, str(struck)) if struck >= 0 else (PROGRAM,)
+    program, words = PROGRAM, list[str]()
+    if struck >= 0:
+        program, words = STRUCK + program, [str(struck), befalls]
+    if set_back is not None:
+        program, words = SET_BACK + program, [*map(str, set_back), *words]
     return subprocess.Popen(
-        [sys.executable, "-P", "-c", *program, *map(str, typed)],
+        [sys.executable, "-P", "-c", program, *words, *map(str, typed)],
         cwd=cwd,
         env={**os.environ, **(env or {})},
         stdout=subprocess.PIPE,
@@ -66,16 +92,58 @@ def ended(process: subprocess.Popen[str], limit_s: float = TIME_LIMIT_S) -> Hear
     try:
         _, errors = process.communicate(timeout=limit_s)
     except subprocess.TimeoutExpired:
-        kill(process)
+        kill_group(process)
+        process.communicate()
         return Heard(None, "", f"hangs: not done after {limit_s:g} s")
     return Heard(process.returncode, errors)
 
 
-def kill(process: subprocess.Popen[str]) -> None:
+def processor_s() -> float:
+    """Return the processor time of this process and of those that it has waited for, s."""
+    return sum(os.times()[:4])
+
+
+def kill_group(process: subprocess.Popen[str]) -> None:
     """Kill a verb and whatever it started."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
+
+
+def kill_one_of(process: subprocess.Popen[str], share: float) -> bool:
+    """Kill one of the workers that a verb started, alone; tell whether there was one.
+
+    Parameters
+    ----------
+    process : Popen
+    share : float
+        Which of them, in the order of their numbers. What Python starts to mind what processes
+        share is none: it says by itself that it was killed.
+    """
+    own = sorted(
+        int(path.name)
+        for path in Path("/proc").glob("[0-9]*")
+        if (words := words_of(path)) and int(words[1]) == process.pid and _works(path)
+    )
+    if own and process.poll() is None:
+        with suppress(ProcessLookupError):
+            os.kill(own[int(share * len(own))], signal.SIGKILL)
+            return True
+    return False
+
+
+def _works(process: Path) -> bool:
+    try:
+        return WORKER in (process / "cmdline").read_bytes()
+    except OSError:
+        return False
+
+
+def words_of(process: Path) -> list[str]:
+    """Return what the system says of a process, from its state on; nothing once it is over."""
+    try:
+        return (process / "stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return []
 
 
 def fault_of(heard: Heard, *codes: int) -> str:

@@ -21,7 +21,7 @@ from bench.scoring.core_score import core_score
 from bench.scoring.metrics import bop, speed
 from bench.scoring.pose_measures import FrameMeasures, MethodMeasures
 from bench.scoring.score import plain, rounded
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 
 VERSION = 1
 
@@ -60,6 +60,7 @@ def comparison_table(comparison: Comparison) -> dict[str, Any]:
 
 def write_comparison(path: Path, table: dict[str, Any]) -> None:
     """Write a comparison, whole or not at all."""
+    sweep_beside(path)
     write_text(path, json.dumps(table, indent=1, allow_nan=False) + "\n")
 
 

@@ -15,7 +15,7 @@ from bench.compare.outcome_place import (
     check_file_place,
     check_folder_place,
 )
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 from models.errors import ScenarioError
 
 if TYPE_CHECKING:
@@ -101,6 +101,7 @@ def write_outcome(
 
     comparison = compared(opened, found, options)
     write_comparison(out / FILE_NAME, comparison_table(comparison))
+    sweep_beside(out / TABLE_NAME)
     write_text(out / TABLE_NAME, standings_csv(comparison))
     write_comparison_page(out / PAGE_NAME, comparison)
     return comparison, {"json": out / FILE_NAME, "table": out / TABLE_NAME, "page": out / PAGE_NAME}

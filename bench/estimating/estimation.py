@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from bench.chains.catalogue import chain_named
 from bench.estimating.contenders import Contender, contenders
 from bench.estimating.guard import printable
 from bench.estimating.runner import estimate_run
+from bench.estimating.runs import estimates_path, spoken_variants
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import ScenarioError
 from models.plain_console import plain_console
@@ -43,6 +44,18 @@ def taking_part(
             "found none; install one, see CONTRIBUTING.md"
         )
     return found
+
+
+def _tell_of_older(folder: Path, now: Collection[str]) -> None:
+    """Say on stderr which estimates are of an earlier run, as of a pipeline that broke since."""
+    for label in spoken_variants(folder):
+        if label not in now:
+            plain_console(stderr=True).print(
+                f"not of this run: {estimates_path(folder, 0, label)}; no pipeline {label} ran "
+                "now, and what it said earlier is still scored: delete the file to leave it out",
+                soft_wrap=True,
+                highlight=False,
+            )
 
 
 def tell_of(remarks: Sequence[str]) -> None:
@@ -87,6 +100,8 @@ def estimate_dataset(
     files = estimate_run(
         folder, 0, dataset.frames(), dataset.onboard, chosen, len(dataset.entries), limit_s
     )
+    if not asked:
+        _tell_of_older(folder, {path.stem for path in files})
     trials = chain_named(dataset.info.chain).trials
     if trials is None or not any(each.is_ours for each in chosen):
         return files

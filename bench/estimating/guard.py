@@ -31,10 +31,19 @@ MOST_REASON = 1000
 
 @dataclass(frozen=True, eq=False)
 class Said:
-    """An estimate, and how long it took, ms."""
+    """An estimate, how long it took, and whether the pipeline failed.
+
+    Attributes
+    ----------
+    estimate : Estimate
+    runtime_ms : float, ms
+    failed : bool
+        It raised, hung or said what cannot be; the estimate has the reason.
+    """
 
     estimate: Estimate
     runtime_ms: float
+    failed: bool
 
 
 class Guarded(Protocol):
@@ -76,9 +85,10 @@ class InThisProcess:
         except RvbenchError:
             raise
         except Exception as error:
-            said = lost(frame, told(error))
+            return _failed(frame, told(error), 1e3 * (perf_counter() - began))
         spent_ms = 1e3 * (perf_counter() - began)
-        return Said(checked(said, frame, self._known), spent_ms)
+        estimate = checked(said, frame, self._known)
+        return Said(estimate, spent_ms, failed=estimate is not said)
 
     def close(self) -> None:
         """Nothing is to be ended."""
@@ -119,15 +129,16 @@ class InAnotherProcess:
         if self.running is None and not self._given_up:
             self._start_again()
         if self.running is None:
-            return Said(lost(frame, self._given_up), 1e3 * (perf_counter() - began))
+            return _failed(frame, self._given_up, 1e3 * (perf_counter() - began))
         try:
             answer = self.running.ask(frame, self._limit_s)
         except Hung as hung:
             self.close()
-            return Said(lost(frame, str(hung)), 1e3 * (perf_counter() - began))
+            return _failed(frame, str(hung), 1e3 * (perf_counter() - began))
         if answer.estimate is None:
-            return Said(lost(frame, answer.reason), answer.runtime_ms)
-        return Said(checked(answer.estimate, frame, self._known), answer.runtime_ms)
+            return _failed(frame, answer.reason, answer.runtime_ms)
+        estimate = checked(answer.estimate, frame, self._known)
+        return Said(estimate, answer.runtime_ms, failed=estimate is not answer.estimate)
 
     def close(self) -> None:
         """End the process."""
@@ -244,6 +255,10 @@ def known_points(onboard: OnboardKnowledge) -> int | None:
 def lost(frame: Frame, reason: str) -> Estimate:
     """Return that a frame is lost, and why."""
     return Estimate(frame.index, frame.time_s, reason=printable(reason)[:MOST_REASON])
+
+
+def _failed(frame: Frame, reason: str, spent_ms: float) -> Said:
+    return Said(lost(frame, reason), spent_ms, failed=True)
 
 
 def printable(text: str) -> str:

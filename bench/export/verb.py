@@ -10,10 +10,11 @@ from tyro.conf import FlagCreatePairsOff, Positional, arg
 
 from bench.verbs import DONE, WORSE
 from models.errors import ScenarioError
+from models.reading.options import check_choice
 
-Formats = Literal[
-    "bop", "bop-imagewise", "webdataset", "speedplus", "coco", "yolo-pose", "huggingface"
-]
+FORMATS = ("bop", "bop-imagewise", "webdataset", "speedplus", "coco", "yolo-pose", "huggingface")
+BITS = (8, 16)
+BAYER = ("rggb", "grbg", "gbrg", "bggr")
 Folders = Annotated[tuple[Path, ...], arg(metavar="DATASET", help_behavior_hint="")]
 MOST_SHOWN = 20
 
@@ -38,22 +39,19 @@ class Export:
     datasets: Positional[Folders] = ()
     """datasets; each is a scene, in the order given. Of one that `rvbench dataset` made, all of its
     folders, with their splits"""
-    as_: Annotated[Formats | None, arg(name="as", metavar="FORMAT", help_behavior_hint="")] = None
+    as_: Annotated[str | None, arg(name="as", metavar="FORMAT", help_behavior_hint="")] = None
     """bop (scenewise), bop-imagewise, webdataset (BOP shards), speedplus, coco, yolo-pose or
     huggingface (imagefolder with Croissant)"""
     check: Annotated[FlagCreatePairsOff[bool], arg(help_behavior_hint="")] = False
     """reopen what is in DIR: every hash, masks against boxes, keypoints against poses; exit code 1
     if anything is wrong. With datasets, after exporting them"""
-    bits: Annotated[Literal[8, 16] | None, arg(metavar="8|16", help_behavior_hint="")] = None
+    bits: Annotated[int | None, arg(metavar="8|16", help_behavior_hint="")] = None
     """of the images: 16 leaves the detector's numbers as recorded, 8 goes by --tone; unless given,
     8 where the format's usual readers take no more (bop-imagewise, webdataset, speedplus,
     yolo-pose), else 16"""
     tone: Literal["sqrt", "linear", "asinh"] = "sqrt"
     """the curve to 8 bits, from the bias to saturation; it is written into tone_curves.json"""
-    demosaic: Annotated[
-        Literal["rggb", "grbg", "gbrg", "bggr"] | None,
-        arg(metavar="PATTERN", help_behavior_hint=""),
-    ] = None
+    demosaic: Annotated[str | None, arg(metavar="PATTERN", help_behavior_hint="")] = None
     """of images behind a Bayer filter: its upper left four pixels (rggb, grbg, gbrg or bggr); they
     leave in colours, else raw"""
     split: Annotated[tuple[float, float, float], arg(metavar="TRAIN VAL TEST")] = (0.8, 0.1, 0.1)
@@ -74,8 +72,15 @@ class Export:
         Raises
         ------
         ScenarioError
-            If there are neither datasets nor a check, or datasets without a format.
+            If there are neither datasets nor a check, datasets without a format, or an option is
+            none of its choices.
         """
+        for name, value, choices in (
+            ("--as", self.as_, FORMATS),
+            ("--bits", self.bits, BITS),
+            ("--demosaic", self.demosaic, BAYER),
+        ):
+            check_choice(name, value, choices)
         if not self.datasets and not self.check:
             raise ScenarioError(
                 "expected datasets, `rvbench export DATASET --as FORMAT --out DIR`, or a check, "
@@ -90,8 +95,7 @@ class Export:
 
         if self.as_ is None:
             raise ScenarioError(
-                "expected --as with the datasets, one of bop, bop-imagewise, webdataset, "
-                "speedplus, coco, yolo-pose, huggingface; got none"
+                f"expected --as with the datasets, one of {', '.join(FORMATS)}; got none"
             )
         plan = api.export(
             self.datasets,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bench.pictures.frame_record import FrameRecords
 from bench.pictures.our_picture import marked
-from models.atomic_file import write_bytes
+from models.atomic_file import sweep_beside, write_bytes
 from models.errors import DatasetError
 
 
@@ -79,4 +79,5 @@ def write_picture(picture: NDArray[np.uint8], out: Path) -> None:
     ok, data = cv2.imencode(".png", picture[:, :, ::-1])
     if not ok:
         raise ValueError(f"expected OpenCV to encode a picture of {picture.shape}, it refused")
+    sweep_beside(out)
     write_bytes(out, marked(bytes(data.tobytes())))

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from bench.sweep.workers import begin_worker
+from models.atomic_file import known_disks
 from models.errors import StorageError
 from renders.batches.case_rendering import CaseRendering
 from renders.scenario.scenario import RenderRequest
@@ -99,7 +100,9 @@ class Crew:
             return
         # Not forked: this process may hold threads, which a fork would lose.
         context = multiprocessing.get_context("spawn")
-        pools = [ProcessPoolExecutor(1, context, begin_worker) for _ in range(count)]
+        pools = [
+            ProcessPoolExecutor(1, context, begin_worker, (known_disks(),)) for _ in range(count)
+        ]
         try:
             yield from self._shared(pools)
         except BrokenProcessPool as error:

@@ -16,7 +16,7 @@ from bench.report.given import report_input
 from bench.report.parts import Card, ReportInput, Section, TitledTable
 from bench.report.run_table import RunTable
 from bench.report.table import TITLES, Table, check_table, lost_table, title_of
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 from models.camera import Camera
 
 TEMPLATE = "page.html.jinja"
@@ -87,6 +87,7 @@ def write_page(path: Path, page: Page) -> None:
     allowed = policy(() if page.explorer is None else page.explorer.scripts)
     given = {**vars(page), "policy": allowed, "runs": _runs(page)}
     text = environment.get_template(TEMPLATE).render(given)
+    sweep_beside(path)
     write_text(path, text)
 
 

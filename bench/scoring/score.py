@@ -31,7 +31,7 @@ from bench.estimating.runs import (
 )
 from bench.scoring.core_score import core_score
 from bench.scoring.judgement import Judgement
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import DatasetError, UnreadableError
 from models.reading.json_file import read_json_table
@@ -76,6 +76,7 @@ def score_dataset(folder: Path) -> dict[str, Any]:
         }
     )
     table = {**scored, "checksum": _checksum(scored)}
+    sweep_beside(folder / "score.json")
     write_text(folder / "score.json", json.dumps(table, indent=1, allow_nan=False) + "\n")
     return table
 

@@ -13,18 +13,12 @@ from bench.status.folder_status import FolderStatus, Stage, stage_of
 from models.at_work import is_at_work, last_failure
 from models.dataset.description import DatasetInfo, read_info
 from models.errors import DatasetError, RvbenchError, UnreadableError
+from models.folder_kinds import MARKS
 from models.reading.csv_table import read_csv
 from models.reading.json_file import read_json_table
 from models.reading.toml_file import read_toml
 
 INDEX_COLUMNS = ("number", "folder", "frame", "pose", "split")
-MARKS = {
-    "random_dataset.json": "random dataset",
-    "dataset.json": "dataset",
-    "export.json": "export",
-    "units/made_by.json": "suite",
-    "truth/scenario.toml": "sweep",
-}
 ASKED_NAME = "asked.json"
 
 

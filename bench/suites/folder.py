@@ -13,7 +13,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 from models.errors import DatasetError, UnreadableError
 from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
@@ -75,5 +75,6 @@ def write_document(out: Path, suite: str, settings: dict[str, Any], **found: Any
         What came of it, ready for JSON.
     """
     head = {"format": FORMAT, "version": VERSION, "suite": suite, "settings": settings}
+    sweep_beside(out / "suite.json")
     write_text(out / "suite.json", json.dumps({**head, **found}, indent=1) + "\n")
     return out / "suite.json"

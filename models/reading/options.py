@@ -1,11 +1,33 @@
-"""Numbers typed as options: each with its range, told before anything is begun."""
+"""Options as they are typed: each with its range or its choices, told before anything is begun."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 from models.errors import ScenarioError
 from models.reading.shown import shown
+
+
+def check_choice(name: str, value: object, choices: Collection[object]) -> None:
+    """Refuse what is none of some choices; None was not typed.
+
+    Parameters
+    ----------
+    name : str
+        As it is typed: ``--as``.
+    value : object
+    choices : collection
+        In the order in which they are told.
+
+    Raises
+    ------
+    ScenarioError
+    """
+    if value is not None and value not in choices:
+        raise ScenarioError(
+            f"expected {name} as one of {', '.join(map(str, choices))}, got {shown(value)}"
+        )
 
 
 def check_option(

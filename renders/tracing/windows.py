@@ -13,6 +13,7 @@ from models.pose import RigidTransform
 from renders.tracing.camera_plugin import sensor_dict
 
 Window = tuple[int, int, int, int]  # left, top, width, height, px
+QUARTERS = 4
 
 
 def window_around(in_view: Mask | None, camera: Camera) -> Window:
@@ -28,6 +29,28 @@ def window_around(in_view: Mask | None, camera: Camera) -> Window:
     rows, columns = np.flatnonzero(in_view.any(axis=1)), np.flatnonzero(in_view.any(axis=0))
     left, top = int(columns[0]), int(rows[0])
     return left, top, int(columns[-1]) + 1 - left, int(rows[-1]) + 1 - top
+
+
+def coarse_window_around(in_view: Mask | None, camera: Camera) -> Window:
+    """Return the least window of whole quarters of the image's sides that holds some pixels.
+
+    Mitsuba's own integrators have a kernel for each size and place of a window. Compiling one
+    takes longer than the rays that a closer window saves, and none is ever forgotten.
+
+    Parameters
+    ----------
+    in_view : (height, width) array of bool, or None
+    camera : Camera
+    """
+    left, top, width, height = window_around(in_view, camera)
+    left, right = _quarters_around(left, left + width, camera.width)
+    top, bottom = _quarters_around(top, top + height, camera.height)
+    return left, top, right - left, bottom - top
+
+
+def _quarters_around(low: int, high: int, size: int) -> tuple[int, int]:
+    edges = [size * quarter // QUARTERS for quarter in range(QUARTERS + 1)]
+    return max(e for e in edges if e <= low), min(e for e in edges if e >= high)
 
 
 def render_windows(

@@ -20,7 +20,7 @@ from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from renders.tracing.camera_plugin import sensor_dict
 from renders.tracing.scene import SceneGeometry
-from renders.tracing.windows import window_around
+from renders.tracing.windows import coarse_window_around
 
 DISC_POINTS = 127  # spread over a marker's face; one of them is under 1 % of it
 CLEARANCE_M = 1e-3  # rays start this far above the face
@@ -64,7 +64,7 @@ def pixel_truth(
     in_view : (height, width) array of bool, optional
         Pixels that can show anything; rays beyond the window around them are saved.
     """
-    left, top, width, height = window_around(in_view, camera)
+    left, top, width, height = coarse_window_around(in_view, camera)
     film = {
         "type": "hdrfilm",
         "width": camera.width,

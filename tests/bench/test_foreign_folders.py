@@ -15,6 +15,20 @@ from bench.suites.folder import begin
 from bench.suites.request import SuiteRequest
 from models.atomic_file import MACHINE
 from models.errors import DatasetError, ScenarioError
+from models.folder_kinds import kind_of
+from renders.store.radiance_store import RadianceStore
+
+SPECIFICATION = """
+name = "few"
+frames = 2
+[[target]]
+spacecraft = "hispasat"
+[[camera]]
+name = "wide"
+width = 64
+[pose]
+range_m = [20.0, 80.0]
+"""
 
 MINE = {
     "camera.toml": "mine",
@@ -176,3 +190,38 @@ def test_every_suite_minds_its_folder(theirs):
     new = SuiteRequest("pesce2019", theirs.parent / "new", 1, runs=0)
     with pytest.raises(ScenarioError, match="--runs"):
         suite_by_name("pesce2019").run(new, Console(stderr=True))
+
+
+def test_another_kind_of_folder_of_ours_is_called_what_it_is(scored_dataset, tmp_path, capsys):
+    spec = tmp_path / "spec.toml"
+    spec.write_text(SPECIFICATION)
+    before = contents(scored_dataset.folder)
+    assert main(["dataset", str(spec), "--out", str(scored_dataset.folder)]) == 2
+    told = capsys.readouterr().err
+    assert "it holds another kind of folder of rvbench's, a dataset; nothing was changed" in told
+    assert "did not make" not in told
+    assert contents(scored_dataset.folder) == before
+
+
+@pytest.mark.parametrize(
+    ("mark", "text", "kind"),
+    [
+        ("random_dataset.json", '{"format": "rvbench-random-dataset"}', "random dataset"),
+        ("export.json", '{"format": "rvbench-export"}', "export"),
+        ("units/made_by.json", '{"format": "rvbench-suite"}', "suite"),
+        ("comparison.json", '{"format": "rvbench-comparison"}', "comparison"),
+        ("truth/scenario.toml", "", "sweep"),
+        ("dataset.json", '{"format": "theirs"}', None),
+        ("dataset.json", "[" * 9, None),
+        ("CACHEDIR.TAG", "Signature: 8a477f597d28d172789f06886806bc55\n# theirs", None),
+    ],
+)
+def test_a_folders_kind_is_told_by_its_mark(tmp_path, mark, text, kind):
+    (tmp_path / mark).parent.mkdir(exist_ok=True)
+    (tmp_path / mark).write_text(text)
+    assert kind_of(tmp_path) == kind
+
+
+def test_a_store_is_one(tmp_path):
+    RadianceStore(tmp_path / "store").open_for_writing()
+    assert kind_of(tmp_path / "store") == "store of light"

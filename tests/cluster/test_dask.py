@@ -86,3 +86,22 @@ def test_a_job_that_is_cancelled_ends(cluster: Any, spec: Path, tmp_path: Path) 
     said = running.communicate()[0]
     assert running.returncode == 2, said
     assert "it was cancelled" in said
+
+
+@pytest.mark.filterwarnings(
+    "ignore::pytest.PytestUnraisableExceptionWarning"
+)  # it waits for no job
+def test_a_cluster_that_is_started_by_jobs(spec: Path, dataset_alone: Path, tmp_path: Path) -> None:
+    """dask-jobqueue submits the workers as jobs; here they are processes, for want of a queue."""
+    local = pytest.importorskip("dask_jobqueue.local")
+    out = tmp_path / "out"
+    with local.LocalCluster(
+        cores=1,
+        processes=1,
+        memory="2GB",
+        scheduler_options={"dashboard_address": None, "host": "127.0.0.1"},
+        local_directory=str(tmp_path / "scratch"),
+    ) as cluster:
+        cluster.scale(jobs=2)
+        ended(start("dataset", spec, "--out", out, *by_dask(cluster)))
+    assert bytes_of(out) == bytes_of(dataset_alone)

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from bench.cli import main
+from tests.support.small_disks import mount
 from tests.support.synthetic_dataset import write_dataset
 from tests.support.whole_runs import contents, identities, scratch_files
 
@@ -20,19 +21,9 @@ ROOM_FOR_SOME_FRAMES = "230k"  # each exposure is about 100 kB at 128 x 128, tru
 ROOM_FOR_ALL = "8m"
 
 
-def mount(*arguments: object) -> None:
-    done = subprocess.run(
-        ["mount", *map(str, arguments)], capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        pytest.skip(f"no small disk can be mounted here: {done.stderr.strip()}")
-
-
 @pytest.fixture
 def disk(tmp_path) -> Iterator[Path]:
     """Mount a small disk for the time of a test."""
-    if shutil.which("mount") is None:
-        pytest.skip("no small disk can be mounted here: no mount command")
     folder = tmp_path / "disk"
     folder.mkdir()
     mount("-t", "tmpfs", "-o", f"size={ROOM_FOR_ALL}", "tmpfs", folder)

@@ -5,13 +5,15 @@ import os
 import resource
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from models.atomic_file import write_bytes, write_text
+from models import atomic_file
+from models.atomic_file import sweep_scratch, write_bytes, write_text
 from models.errors import StorageError
 
 LIMIT_BYTES = 4096
@@ -102,3 +104,25 @@ def test_killed_before_the_rename_the_old_file_stands(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", program, str(path)], check=False)
     assert done.returncode == -9
     assert path.read_bytes() == b"old"
+
+
+def test_a_file_in_hand_survives_a_clock_that_was_set_back(tmp_path, monkeypatch) -> None:
+    with atomic_file.whole_or_absent(tmp_path / "a") as scratch:
+        scratch.write_bytes(b"1")
+        monkeypatch.setattr(atomic_file, "_BEGAN_S", time.time() + 3600.0)
+        assert sweep_scratch(tmp_path) == 0
+    assert (tmp_path / "a").read_bytes() == b"1"
+    monkeypatch.setattr(atomic_file, "_BEGAN_S", time.time() + 3600.0)
+    scratch.write_bytes(b"of an earlier process with our number")
+    assert sweep_scratch(tmp_path) == 1
+
+
+def test_only_what_was_left_of_one_file_is_swept_beside_it(tmp_path) -> None:
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left = [tmp_path / f".{name}.{atomic_file.MACHINE}-{ended.pid}.part" for name in ("a[1]", "b")]
+    alive = tmp_path / f".a[1].{atomic_file.MACHINE}-1.part"
+    for path in (*left, alive):
+        path.write_bytes(b"half")
+    atomic_file.sweep_beside(tmp_path / "a[1]")
+    assert sorted(tmp_path.iterdir()) == sorted([left[1], alive])

@@ -15,6 +15,7 @@ from typing import Any
 
 from bench.campaign.hostile.trial import Told, try_one
 from bench.campaign.hostile.verdict import Ended, Verdict
+from bench.campaign.processes import words_of
 
 MOST_PROCESSOR_S = 60.0  # of a trial; the slowest takes a tenth of it
 MOST_WAITING_S = 120.0  # without any processor time, and without asking for it
@@ -46,7 +47,7 @@ class _Hand:
         if self.asked is None:
             return ""
         spent_s, waits = _processor(self.process.pid)
-        if spent_s > self.spent_s or not waits:
+        if spent_s != self.spent_s or not waits:
             self.spent_s, self.since_s = spent_s, time.monotonic()
         if spent_s - self.began_at_s > MOST_PROCESSOR_S:
             return f"hangs: not done after {MOST_PROCESSOR_S:g} s of a processor"
@@ -118,12 +119,20 @@ def _fault(hand: _Hand, what: str) -> Told:
 
 
 def _processor(number: int) -> tuple[float, bool]:
-    """Return a process's processor time, s, and whether it waits for something else than a core."""
-    try:
-        words = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
-    except OSError:  # it is over, which its line tells
-        return 0.0, False
-    return TICK_S * sum(map(int, words[11:15])), words[0] in "SD"
+    """Return the processor time of a process and of those it started, s, and whether all wait.
+
+    One that waits for a core, as on a busy machine, is at work.
+    """
+    states = {int(path.name): words_of(path) for path in Path("/proc").glob("[0-9]*")}
+    spent_s, waits, left = 0.0, True, [number]
+    while left:
+        process = left.pop()
+        words = states.get(process, [])
+        if words:  # else it is over, which its line tells
+            spent_s += TICK_S * sum(map(int, words[11:15]))
+            waits = waits and words[0] in "SDZ"
+        left += [child for child, its in states.items() if its and int(its[1]) == process]
+    return spent_s, waits
 
 
 def _serve(line: Connection, grounds: Path, folder: Path) -> None:

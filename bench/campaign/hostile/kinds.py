@@ -159,7 +159,7 @@ KINDS: tuple[Kind, ...] = (
     ),
     Kind(
         "suite, gone on with", "suite", ("data/*", "data/units/*", "data/units/*/*"),
-        ((*SUITE, "--out", "suite/data"),), ("suite/data/*",), full=True,
+        ((*SUITE, "--workers", "1", "--out", "suite/data"),), ("suite/data/*",), full=True,
     ),
 )  # fmt: skip
 COMMAND_LINE = "command line"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,8 +11,8 @@ import numpy as np
 
 from bench.campaign.hostile.crew import tried
 from bench.campaign.hostile.kinds import COMMAND_LINE, KINDS
-from bench.campaign.hostile.table import told_faults
 from bench.campaign.hostile.trial import Told, try_one
+from bench.campaign.journal import Tried
 
 COMMAND_LINE_SHARE = 3.0
 ORDER = 1
@@ -33,6 +32,11 @@ def trials(count: int, first: int, only: str | None, *, full: bool) -> list[tupl
         The only kind.
     full : bool
         With the kinds whose ground takes a minute to make.
+
+    Returns
+    -------
+    list of (str, int)
+        One of each kind, then the others, mixed.
     """
     shares = {kind.name: kind.share for kind in KINDS if full or not kind.full}
     shares[COMMAND_LINE] = COMMAND_LINE_SHARE
@@ -42,40 +46,51 @@ def trials(count: int, first: int, only: str | None, *, full: bool) -> list[tupl
     every = [
         (name, first + number)
         for name, share in shares.items()
-        for number in range(max(1, round(share * unit)))
+        for number in range(1, max(1, round(share * unit)))
     ]
-    return [every[int(place)] for place in np.random.default_rng(ORDER).permutation(len(every))]
+    once = [(name, first) for name in shares]
+    mixed = np.random.default_rng(ORDER).permutation(len(every))
+    return once + [every[int(place)] for place in mixed]
 
 
 def try_all(
-    asked: list[tuple[str, int]], grounds: Path, workers: int, seconds: float | None
-) -> list[Told]:
-    """Try them, tell each fault as it is found, and begin none after some seconds.
+    asked: list[tuple[str, int]],
+    grounds: Path,
+    scratch: Path,
+    workers: int,
+    until: float | None,
+) -> Iterator[Tried]:
+    """Try them, each kind once whatever the time, and begin no other after some instant.
 
     Parameters
     ----------
     asked : list of (str, int)
         Kinds and seeds.
-    grounds : Path
+    grounds, scratch : Path
     workers : int
-    seconds : float, optional, s
+    until : float, optional, s
+        Of the monotonic clock.
     """
-    began, found = time.monotonic(), list[Told]()
 
     def due() -> Iterator[tuple[str, int]]:
-        for trial in asked:
-            if seconds is not None and time.monotonic() - began > seconds:
-                return
-            yield trial
+        met = set[str]()
+        for name, seed in asked:
+            if until is None or time.monotonic() < until or name not in met:
+                met.add(name)
+                yield name, seed
 
-    with tempfile.TemporaryDirectory(prefix="rvbench-campaign-") as scratch:
-        for told in tried(due(), grounds, Path(scratch), workers):
-            found.append(told)
-            if len(found) % HEARTBEAT == 0:
-                print(f"{len(found)} tried", file=sys.stderr, flush=True)
-            for line in told_faults([told]):
-                print(f"{len(found)} tried; {line}", file=sys.stderr, flush=True)
-    return found
+    for number, told in enumerate(tried(due(), grounds, scratch, workers), 1):
+        if number % HEARTBEAT == 0:
+            print(f"{number} tried", file=sys.stderr, flush=True)
+        yield kept(told)
+
+
+def kept(told: Told) -> Tried:
+    """Return what a journal keeps of a trial."""
+    fault = told.verdict.fault
+    if fault:
+        fault = f"{fault} [{told.how} of {told.spoilt}; {told.typed[:160]!r}]"
+    return Tried(told.kind, told.seed, str(told.verdict.ended), fault, processor_s=told.processor_s)
 
 
 def try_again(name: str, seed: int, grounds: Path, folder: Path) -> int:

@@ -21,6 +21,7 @@ from bench.campaign.hostile.tree import damage, tree
 from bench.campaign.hostile.typed import typed_wrongly
 from bench.campaign.hostile.verb_alone import Reached, no_heavy_work
 from bench.campaign.hostile.verdict import Heard, Verdict, judge
+from bench.campaign.processes import processor_s
 
 DRAW = 1789  # what else the seed is for
 OURS: tuple[str, ...] = (
@@ -41,6 +42,7 @@ class Told:
     how: str
     verdict: Verdict
     errors: str
+    processor_s: float = 0.0
 
 
 def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
@@ -54,7 +56,7 @@ def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
     folder : Path
         Of the trial; made anew, and left as it is when the trial is over.
     """
-    random = np.random.default_rng([DRAW, NAMES.index(name), seed])
+    random, began_s = np.random.default_rng([DRAW, NAMES.index(name), seed]), processor_s()
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "decoy").mkdir(parents=True)
     (folder / "decoy" / "precious.txt").write_text("not ours\n")
@@ -81,7 +83,8 @@ def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
         after = {path: after[path] for path in after if path in before}
     damaged = damage(before, after, [f"here/{each}" for each in (f"{OUT}/*", *allowed)])
     verdict = judge(heard, never_right=never_right, damaged=damaged, written=place / OUT)
-    return Told(name, seed, " ".join(typed), spoilt, how, verdict, heard.errors)
+    spent_s = processor_s() - began_s
+    return Told(name, seed, " ".join(typed), spoilt, how, verdict, heard.errors, spent_s)
 
 
 def hear(typed: list[str], place: Path) -> Heard:

@@ -16,6 +16,7 @@ from bench.suites.opromolla2022 import figures, tables
 from bench.suites.opromolla2022.cases import Sequence
 from bench.suites.opromolla2022.results import FlownSequence, Outcomes, Results
 from bench.suites.opromolla2022.runs import runs_of
+from bench.suites.told_settings import told_settings
 
 SHARED = (
     "All runs of a sequence share its rendered frames; each has its own first pose, calibration, "
@@ -90,7 +91,7 @@ def write_suite_page(
             headline_title="Best beside the paper's algorithm, on the same frames",
             headline=_headline(flown, behind),
             after=after,
-            facts=[(name, str(value)) for name, value in settings.items()],
+            facts=told_settings(settings),
             explained=True,
         ),
     )

@@ -17,6 +17,7 @@ from bench.suites.pesce2019.comparison import Compared, table5_note
 from bench.suites.pesce2019.plan import Sizes
 from bench.suites.pesce2019.results import AcquiredCase, Outcomes, Results, TrackedCell
 from bench.suites.pesce2019.runs import RunsOfCells, runs_of_cells
+from bench.suites.told_settings import told_settings
 from models.camera import camera_preset
 from models.spacecraft.wireframes import wireframe_by_name
 
@@ -313,11 +314,7 @@ def _facts(settings: dict[str, Any]) -> list[tuple[str, str]]:
         *(("target", line) for line in _targets()),
         *((f"settled: {key}", str(value)) for key, value in published()["settled"].items()),
     ]
-    for key, value in settings.items():
-        if isinstance(value, dict):
-            facts += [(f"{key}: {name}", str(text)) for name, text in value.items()]
-        else:
-            facts.append((key, str(value)))
+    facts += told_settings(settings)
     return [*facts, ("every step of every run", "units, as NumPy archives; numbers: suite.json")]
 
 

@@ -11,6 +11,7 @@ from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
 from bench.report.run_table import RunTable, with_runs
 from bench.report.table import TITLES, Table
+from bench.suites.told_settings import told_settings
 from bench.suites.uncooperative_suns.cases import IMAGES
 from bench.suites.uncooperative_suns.figures import bar_figure, outcome_map, reliability_figure
 from bench.suites.uncooperative_suns.frame_pictures import MARKED, frame_pictures
@@ -95,7 +96,7 @@ def write_suite_page(
             after=sections,
             frames=frame_pictures(plan, {t: own[LEADS] for t, own in results.items()}),
             marks=MARKED,
-            facts=[(key, str(value)) for key, value in settings.items()],
+            facts=told_settings(settings),
             explained=True,
         ),
     )

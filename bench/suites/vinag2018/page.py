@@ -12,6 +12,7 @@ from bench.report.parts import Card, Figure, Section, TitledTable
 from bench.report.plot import svg_address
 from bench.report.run_table import with_runs
 from bench.report.table import Table, length
+from bench.suites.told_settings import told_settings
 from bench.suites.vinag2018 import figures, star_figure, star_tables, tables
 from bench.suites.vinag2018.cases import CASES, published
 from bench.suites.vinag2018.chain_results import PAPER_DEG, chain_figure, chain_table
@@ -64,7 +65,7 @@ def write_suite_page(
             after=[*_flights(outcomes, results, main), *_others(outcomes, results)],
             facts=[
                 *((f"settled: {name}", text) for name, text in published()["settled"].items()),
-                *((name, str(value)) for name, value in settings.items()),
+                *told_settings(settings),
             ],
             explained=True,
         ),

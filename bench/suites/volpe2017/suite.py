@@ -14,6 +14,7 @@ from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
+from bench.suites.told_settings import told_settings
 from bench.suites.units import LIBRARIES, WorkUnit
 from bench.suites.volpe2017.cases import CAMERA
 from bench.suites.volpe2017.plan import PARTS, QUICK, Plan, Sizes
@@ -70,8 +71,7 @@ def run_plan(plan: Plan, out: Path, workers: int, console: Console) -> SuiteFile
     outcomes = Outcomes(plan, folder)
     results = outcomes.results()
     score = write_document(out, "volpe2017", _settings(plan), parts=asdict(results))
-    facts = [(key, _told(value)) for key, value in _settings(plan).items()]
-    page = write_suite_page(out / "suite.html", outcomes, results, facts)
+    page = write_suite_page(out / "suite.html", outcomes, results, told_settings(_settings(plan)))
     return SuiteFiles(score, page, _summary(results))
 
 
@@ -83,12 +83,6 @@ def _settings(plan: Plan) -> dict[str, Any]:
         "code": code_fingerprint("bench.suites.volpe2017.tracking_run"),
         "libraries": {name: version(name) for name in LIBRARIES},
     }
-
-
-def _told(value: Any) -> str:
-    if isinstance(value, dict):
-        return "; ".join(f"{name}: {text}" for name, text in value.items())
-    return "as the suite has it" if value is None else str(value)
 
 
 def _summary(results: Results) -> list[list[str]]:

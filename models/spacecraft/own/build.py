@@ -266,9 +266,10 @@ def _parts(
     _check_part_names(described, placed.names)
     for piece, triangles, name in zip(mesh.pieces, placed.triangles, placed.names, strict=True):
         told = material_told(described, name)
-        body = turned_outward(welded(triangles))
+        body = welded(triangles)
         if not len(body.faces):
             continue
+        body = turned_outward(body)
         if told is not None or piece.look.red is None:
             kinds = [
                 (told or described.material or DEFAULT_MATERIAL, np.ones(len(body.faces), bool))

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
 
+from bench.campaign.hostile.crew import _processor
 from bench.campaign.hostile.kind import Kind
 from bench.campaign.hostile.spoiling import spoil
 from bench.campaign.hostile.spoilt_bytes import BYTE_SPOILS
@@ -112,3 +118,32 @@ def test_folders_that_differ_in_a_runtime_alone_are_alike(tmp_path):
     assert differences(a, b) == ""
     assert differences(a, c) == "score.json differs"
     assert differences(a, {}) == "score.json is missing"
+
+
+WORKS, WAITS = "while True: pass", "import time; time.sleep(600)"
+PARENT = "import subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]])"
+LONG_S = 60.0  # for a process to be given a core, however busy the machine
+
+
+def reached(condition):
+    until = time.monotonic() + LONG_S
+    while time.monotonic() < until:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.parametrize("child", [WORKS, WAITS])
+def test_who_waits_for_a_child_at_work_is_at_work(child):
+    """A child that is starved of a core still runs, so its parent does not hang."""
+    process = subprocess.Popen([sys.executable, "-c", PARENT, child], start_new_session=True)
+    try:
+        if child == WORKS:
+            assert reached(lambda: _processor(process.pid)[0] > 0.5)
+            assert not _processor(process.pid)[1]
+        else:
+            assert reached(lambda: _processor(process.pid)[1])
+    finally:
+        os.killpg(process.pid, 9)
+        process.wait()

@@ -215,3 +215,17 @@ def test_the_whole_job_in_one_call(replayed, tmp_path, monkeypatch):
     assert score["runs"] == 2
     assert (out / "score.json").is_file()
     assert (out / "report.html").is_file()
+
+
+def test_estimates_of_a_pipeline_that_did_not_run_now_are_told_of(tmp_path, capsys):
+    """As of an installed one whose import broke since: its file is there, and would be scored."""
+    folder = write_dataset(tmp_path / "data", frames=1, width_px=32).folder
+    api.estimate(folder)
+    assert "not of this run" not in capsys.readouterr().err
+    older = estimates_path(folder, 0, "theirs")
+    shutil.copyfile(estimates_path(folder, 0, "best"), older)
+    api.estimate(folder)
+    told = [line for line in capsys.readouterr().err.splitlines() if "not of this run" in line]
+    assert len(told) == 1
+    assert str(older) in told[0]
+    assert "no pipeline theirs ran now" in told[0]

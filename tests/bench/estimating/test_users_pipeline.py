@@ -180,6 +180,10 @@ def test_each_misdeed_costs_one_frame_and_a_reason(tmp_path):
         lost = estimates[2 * place + 1]
         assert lost.pose is None, name
         assert expected in lost.reason, (name, lost.reason)
+    first = next(iter(MISDEEDS.values()))[1]
+    told = f"lost: pipeline badly failed at {len(MISDEEDS)} of {frames} frames; at frame 1: "
+    lines = [line for line in done.stderr.splitlines() if line.startswith("lost: ")]
+    assert [line.startswith(told) and first in line for line in lines] == [True]
     kept = [index for index in range(frames) if index % 2 == 0]
     assert [index for index in kept if estimates[index].pose is None] == []
     lost = api.score(folder)["pipelines"]["badly"]["core"]["lost"]

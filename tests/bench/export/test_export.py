@@ -188,6 +188,9 @@ def test_estimates_and_runs_leave_as_tables(pairs, tmp_path):
     [
         ([], "got neither"),
         (["DATA"], "expected --as with the datasets"),
+        (["DATA", "--as", "voc"], "expected --as as one of bop, bop-imagewise, webdataset, "),
+        (["DATA", "--as", "coco", "--bits", "12"], "expected --bits as one of 8, 16, got 12"),
+        (["DATA", "--as", "coco", "--demosaic", "rgb"], "one of rggb, grbg, gbrg, bggr, got"),
         (["DATA", "--as", "coco", "--split", "0.5", "0.4", "0.3"], "shares that add up to 1"),
         (["DATA", "--as", "coco", "--split-block", "0"], "expected --split-block from 1"),
         (["DATA", "--as", "coco", "--licence", "a\nb"], "without control characters"),

@@ -197,3 +197,13 @@ def test_it_is_built_once(tmp_path):
     toml = toml_of(textured_glb(tmp_path / "a.glb"))
     lines = tuple(toml.read_text().splitlines())
     assert own_target(lines, "x", tmp_path) is own_target(lines, "x", tmp_path)
+
+
+def test_a_part_without_area_is_left_out(tmp_path):
+    scene = trimesh.Scene()
+    flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False)
+    for name, part in (("bus", trimesh.creation.box((1.0, 1.0, 1.0))), ("line", flat)):
+        scene.add_geometry(part, node_name=name, geom_name=name)
+    (tmp_path / "two.glb").write_bytes(scene.export(file_type="glb"))
+    built = read_own_target(toml_of(tmp_path / "two.glb"))
+    assert built.spacecraft.part_names == ("bus",)
