@@ -39,6 +39,7 @@ WHAT_IS_KEPT = {
     "report": "report.html is as it was before, or new and whole",
     "view": "nothing was changed",
     "export": GOES_ON,
+    "fuse": "the file of estimates is as it was before, or new and whole",
     "inspect": "each file is as it was before, or new and whole",
     "show": "the picture is as it was before, or new and whole",
     "cancel": "what the jobs have done is whole and kept",

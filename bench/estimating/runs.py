@@ -142,7 +142,8 @@ def found_runs(folder: Path, variant: str) -> list[int]:
     """Return the numbers of the runs that have estimates of a variant, in order."""
     others = (folder / "seeds").glob(f"[0-9][0-9][0-9]/estimates/{escape(variant)}.jsonl")
     numbers = sorted(int(path.parent.parent.name) for path in others)
-    return [0, *numbers] if estimates_path(folder, 0, variant).is_file() else numbers
+    own = estimates_path(folder, 0, variant)  # a link to nothing is there, too: reading says so
+    return [0, *numbers] if own.exists() or own.is_symlink() else numbers
 
 
 def by_frame(

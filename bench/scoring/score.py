@@ -35,6 +35,7 @@ from models.atomic_file import sweep_beside, write_text
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import DatasetError, UnreadableError
 from models.reading.json_file import read_json_table
+from models.reading.regular_file import check_regular
 
 FORMAT, VERSION = "rvbench-score", 2
 OLD_FORMATS = ("rvbench-score", "rvbench-tumble-score")
@@ -126,7 +127,9 @@ def estimates_hash(folder: Path, label: str) -> str:
     """Return a hash of a pipeline's estimates in all runs, as hexadecimal text."""
     digest = hashlib.sha256()
     for number in found_runs(folder, label):
-        digest.update(estimates_path(folder, number, label).read_bytes())
+        path = estimates_path(folder, number, label)
+        check_regular(path)
+        digest.update(path.read_bytes())
     return digest.hexdigest()
 
 

@@ -107,6 +107,15 @@ def read_lines(
     return [line.removesuffix("\r") for line in lines]
 
 
+def state_of(path: Path) -> tuple[int, ...]:
+    """Return what changes when a file is written anew, or empty where none is there."""
+    try:
+        told = os.stat(path)
+    except (OSError, ValueError):
+        return ()
+    return told.st_ino, told.st_size, told.st_mtime_ns, told.st_ctime_ns
+
+
 def holds_text(path: Path, text: str) -> bool:
     """Tell whether a regular file is there and holds a text, to the byte."""
     data = text.encode()

@@ -17,7 +17,6 @@ from bench.estimating.foreign_knowledge import markers_and_wireframe
 from models.dataset.dataset import open_dataset
 from models.dataset.estimates_file import read_estimates
 from models.dataset.image_file import read_image
-from models.spacecraft.own.build import own_target
 from tests.support.own_meshes import millimetre_stl, textured_glb, toml_of
 
 RANGE_M = 9.0
@@ -60,7 +59,6 @@ def test_the_public_half_is_estimated_without_mesh_truth_or_renders(
     public = Path(shutil.copytree(rendered / "out", tmp_path / "public"))
     truth = [json.loads(line) for line in _lines(public / "truth" / "exposures.jsonl")]
     shutil.rmtree(public / "truth")
-    own_target.cache_clear()
     shutil.move(rendered / "craft", tmp_path / "gone")
     try:
         assert main(["estimate", str(public), "--pipelines", "uncooperative"]) == 0

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -16,7 +15,7 @@ from models.arrays import Floats, Mask
 from models.dataset.marker_file import read_markers
 from models.errors import DatasetError, ScenarioError
 from models.materials import Material
-from models.reading.regular_file import read_bytes
+from models.reading.regular_file import read_bytes, state_of
 from models.spacecraft.own.description import (
     DEFAULT_MATERIAL,
     OwnDescription,
@@ -38,6 +37,7 @@ MOST_PART_NAMES = 200  # labels of an image have eight bits, and the bench has n
 OF_THE_BENCH = ("retroreflectors", "chaser")
 ONE_NAME = "body"  # of a mesh whose file has no names
 LARGEST_M, SMALLEST_M = 1000.0, 0.001  # from corner to corner of its box
+MOST_KEPT = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +57,8 @@ class OwnTarget:
         About the centre of mass, target axes.
     files_sha256 : str
         Of the mesh, of the files that it names, and of those that the TOML names beside it.
+    files : tuple of Path
+        All of these.
     """
 
     description: OwnDescription
@@ -66,6 +68,7 @@ class OwnTarget:
     mass_kg: float
     inertia_kg_m2: Floats
     files_sha256: str
+    files: tuple[Path, ...]
 
     @property
     def known_wireframe(self) -> Wireframe:
@@ -119,9 +122,11 @@ def read_own_target(path: Path) -> OwnTarget:
     return own_target(read_lines_of(path), str(path), path.parent.resolve())
 
 
-@lru_cache(maxsize=4)
+_KEPT: dict[tuple[tuple[str, ...], str, Path], tuple[OwnTarget, list[tuple[int, ...]]]] = {}
+
+
 def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
-    """Build a spacecraft from the lines of its TOML; kept, for it takes seconds.
+    """Build a spacecraft from the lines of its TOML, which takes seconds: kept while files stand.
 
     Parameters
     ----------
@@ -136,6 +141,18 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
     DatasetError, ScenarioError
         As ``read_own_target``.
     """
+    key = (lines, where, folder)
+    kept = _KEPT.pop(key, None)
+    if kept is None or kept[1] != [state_of(path) for path in kept[0].files]:
+        built = _built(lines, where, folder)
+        kept = built, [state_of(path) for path in built.files]
+    _KEPT[key] = kept
+    if len(_KEPT) > MOST_KEPT:
+        del _KEPT[next(iter(_KEPT))]
+    return kept[0]
+
+
+def _built(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
     described = description_of(lines, where, folder)
     mesh = read_mesh_file(described.mesh_path)
     placed = place(described, mesh)
@@ -157,15 +174,20 @@ def own_target(lines: tuple[str, ...], where: str, folder: Path) -> OwnTarget:
         mass_kg=placed.mass_kg,
         inertia_kg_m2=placed.inertia_kg_m2,
         files_sha256=_files_sha256(described, mesh),
+        files=(*mesh.files, *_beside(described)),
     )
 
 
 def _files_sha256(described: OwnDescription, mesh: MeshFile) -> str:
     digest = hashlib.sha256(mesh.sha256.encode())
-    for name in (described.markers, described.wireframe.file):
-        if isinstance(name, str):
-            digest.update(read_bytes(described.folder / name, MOST_BYTES))
+    for path in _beside(described):
+        digest.update(read_bytes(path, MOST_BYTES))
     return digest.hexdigest()
+
+
+def _beside(described: OwnDescription) -> list[Path]:
+    names = (described.markers, described.wireframe.file)
+    return [described.folder / name for name in names if isinstance(name, str)]
 
 
 def place(described: OwnDescription, mesh: MeshFile) -> PlacedMesh:

@@ -77,6 +77,8 @@ class MeshFile:
         What it holds beside, and is left out.
     sha256 : str
         Of its bytes, and of those of the files that it names.
+    files : tuple of Path
+        It, and those that it names, whether they are there or not.
     """
 
     path: Path
@@ -84,6 +86,7 @@ class MeshFile:
     missing: tuple[str, ...]
     notes: tuple[str, ...]
     sha256: str
+    files: tuple[Path, ...]
 
     @property
     def vertices(self) -> Floats:
@@ -117,7 +120,9 @@ def read_mesh_file(path: Path) -> MeshFile:
     digest = hashlib.sha256(data)
     for name in sorted(neighbours.read):
         digest.update(neighbours.read[name])
-    return MeshFile(path, pieces, tuple(neighbours.missing), notes, digest.hexdigest())
+    beside = (neighbours.place(name) for name in (*neighbours.read, *neighbours.missing))
+    missing = tuple(neighbours.missing)
+    return MeshFile(path, pieces, missing, notes, digest.hexdigest(), (path, *beside))
 
 
 def _read(path: Path) -> bytes:

@@ -20,7 +20,6 @@ from bench.export.plan import make_plan
 from bench.export.request import ExportRequest
 from bench.export.source import open_source
 from models.errors import ScenarioError
-from models.spacecraft.own.build import own_target
 from tests.support.own_meshes import BOOM_M, BUS_M, PANEL_M, textured_glb, toml_of
 
 CASE = {
@@ -81,11 +80,9 @@ def test_without_its_mesh_it_does_not_leave(gone, own, tmp_path, capsys):
     shutil.copy(mesh, tmp_path / "kept.glb")
     try:
         mesh.unlink() if gone else textured_glb(mesh, scale=1.1)
-        own_target.cache_clear()
         assert main(["export", str(own), "--as", "coco", "--out", str(tmp_path / "out")]) == 2
     finally:
         shutil.copy(tmp_path / "kept.glb", mesh)
-        own_target.cache_clear()
     message = capsys.readouterr().err
     assert str(mesh) in message
     assert "expected" in message

@@ -1,12 +1,14 @@
 """``score.json`` read back: whole, of the estimates that are there, or refused with what to do."""
 
 import json
+import os
 import shutil
 from dataclasses import replace
 
 import pytest
 
 from bench import api
+from bench.cli import main
 from bench.scoring.score import read_score
 from models.dataset.estimates_file import read_estimates, write_estimates
 from models.errors import DatasetError
@@ -123,3 +125,22 @@ def test_another_runtime_is_no_other_score(folder):
     path.write_text(json.dumps(table))
     with pytest.raises(DatasetError, match="runtime_ms has not two numbers"):
         read_score(folder)
+
+
+@pytest.mark.parametrize("instead", ["ring", "link to nothing", "folder", "pipe"])
+def test_estimates_that_are_no_file_are_refused_and_not_left_out(folder, instead, capsys):
+    """By the score that is made anew, and by who reads the old one."""
+    path = folder / "estimates" / "best.jsonl"
+    shutil.rmtree(folder / "seeds")
+    path.unlink()
+    if instead == "folder":
+        path.mkdir()
+    elif instead == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to("best.jsonl" if instead == "ring" else "nowhere")
+    for verb in ("score", "report"):
+        assert main([verb, str(folder)]) == 2
+        message = capsys.readouterr().err
+        assert str(path) in message
+        assert message.count("\n") == 1

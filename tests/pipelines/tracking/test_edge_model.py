@@ -159,29 +159,57 @@ def made_fit(weights: np.ndarray, rms_px: float) -> EdgeFit:
     return EdgeFit(POSE, own, steps, weights, np.eye(6), rms_px)
 
 
+OF_HALVES_PX, OF_OUTLINES_PX, OF_ALL_PX = 0.35, 0.2, 0.05
+DRAWN = 40_000
+DRAWN_APART = 0.03  # of the largest: four standard errors of a covariance of so many draws
+
+
 @pytest.mark.parametrize(
-    ("rms_px", "outside", "sigma"), [(0.2, 0.0, 0.6), (1.5, 0.0, 1.5), (0.2, 0.08, 3.0)]
+    ("rms_px", "outside", "unseen", "times"),
+    [
+        (0.2, 0.0, 0.0, 1.0),
+        (1.0, 0.0, 0.0, 0.85 / 0.35),
+        (0.2, 0.06, 0.0, 2.0),
+        (0.2, 0.0, 0.4, 3.0),
+    ],
 )
-def test_an_edge_counts_as_two_samples_at_most(rms_px: float, outside: float, sigma: float) -> None:
-    """Of 0.6 px or what is left, more where light lies outside: five times at 0.08."""
-    weights = np.random.default_rng(4).uniform(0.2, 1.0, 90)
-    fit = made_fit(weights, rms_px)
-    found = from_image.fit_covariance(fit, CAMERA, outside)
-    jacobian = normal_jacobian(CAMERA, POSE, fit.samples)
-    information = np.zeros((6, 6))
-    for edge in np.unique(fit.samples.edge):
-        own = fit.samples.edge == edge
-        total = weights[own].sum()
-        part = (jacobian[own] * weights[own, None]).T @ jacobian[own]
-        information += min(1.0, 2.0 / total) * part
+def test_a_covariance_is_that_of_fits_whose_edges_err_by_halves(
+    rms_px: float, outside: float, unseen: float, times: float
+) -> None:
+    """Errors drawn alike along half an edge, outwards for all outlines, and sideways for all."""
+    rng = np.random.default_rng(4)
+    fit = made_fit(rng.uniform(0.2, 1.0, 90), rms_px)
+    found = from_image.fit_covariance(fit, CAMERA, PoseCheck(1.0, outside, 0.0, unseen))
+    shown = fit.samples
+    halves = [
+        part
+        for edge in np.unique(shown.edge)
+        for part in in_two(np.flatnonzero(shown.edge == edge))
+    ]
+    errors = np.zeros((DRAWN, len(shown)))
+    for part in halves:
+        errors[:, part] += OF_HALVES_PX * times * rng.standard_normal((DRAWN, 1))
+    errors += OF_OUTLINES_PX * rng.standard_normal((DRAWN, 1)) * shown.outline
+    errors += OF_ALL_PX * rng.standard_normal((DRAWN, 2)) @ shown.normals_px.T
+    root = np.sqrt(fit.weights)
+    jacobian = normal_jacobian(CAMERA, POSE, shown)
+    moved = np.linalg.lstsq(root[:, None] * jacobian, root[:, None] * errors.T, rcond=None)[0]
+    drawn = np.cov(moved)
     assert found is not None
-    np.testing.assert_allclose(found, sigma**2 * np.linalg.inv(information), rtol=1e-6)
+    scale = np.sqrt(np.diag(drawn))
+    apart = (found - drawn) / np.outer(scale, scale)
+    np.testing.assert_allclose(apart, 0.0, atol=DRAWN_APART)
     np.testing.assert_array_equal(found, found.T)
+
+
+def in_two(places: np.ndarray) -> list[np.ndarray]:
+    """Return the two halves of an edge's samples; the first is the larger."""
+    return np.split(places, [-(-len(places) // 2)])
 
 
 def test_edges_all_along_one_direction_fix_no_pose() -> None:
     fit = made_fit(np.zeros(40), 0.5)
-    assert from_image.fit_covariance(fit, CAMERA, 0.0) is None
+    assert from_image.fit_covariance(fit, CAMERA, PoseCheck(1.0, 0.0, 0.0, 0.0)) is None
 
 
 def test_retries_are_draws_of_the_prediction_from_a_wider_search() -> None:

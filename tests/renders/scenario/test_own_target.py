@@ -12,7 +12,7 @@ import tomli_w
 
 from models.dataset.onboard_files import onboard_texts
 from models.errors import ScenarioError
-from models.spacecraft.own.build import own_target, read_own_target
+from models.spacecraft.own.build import read_own_target
 from renders.scenario.scenario import Scenario, read_scenario
 from renders.store.light_keys import LightKeys, spacecraft_hash
 from renders.world.build import world_of
@@ -68,7 +68,6 @@ def test_a_resolved_scenario_is_the_same_and_moves_with_its_mesh(case: Path) -> 
 def test_a_resolved_scenario_is_read_without_its_mesh(case: Path) -> None:
     resolved = case.parent / "resolved.toml"
     resolved.write_text(read_scenario(case).to_toml())
-    own_target.cache_clear()
     shutil.rmtree(case.parent / "craft")
     scenario = read_scenario(resolved)
     assert scenario.frame_kind == "single"
@@ -79,7 +78,6 @@ def test_a_resolved_scenario_is_read_without_its_mesh(case: Path) -> None:
 def test_another_mesh_is_other_light_and_no_old_dataset(case: Path) -> None:
     scenario = read_scenario(case)
     textured_glb(case.parent / "craft" / "boxsat.glb", scale=1.01)
-    own_target.cache_clear()
     with pytest.raises(ScenarioError, match="as it was"):
         world_of(scenario)
     assert read_scenario(case).fingerprint() != scenario.fingerprint()
@@ -157,7 +155,6 @@ def test_a_file_of_markers_is_known_by_its_hash_too(case: Path) -> None:
     before = read_scenario(case)
     assert world_of(before).target.markers is not None
     markers.write_text("radius_m = 0.02\n" + rows)
-    own_target.cache_clear()
     assert read_scenario(case).fingerprint() != before.fingerprint()
     shutil.rmtree(case.parent / "craft")
     assert before.own_target is not None
