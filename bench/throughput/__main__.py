@@ -24,9 +24,9 @@ from models.plain_console import plain_console
 COLUMNS = ("what", "a second", "efficiency", "asked", "of processors", "against before")
 EXPLAINED = (
     "A second: of processor time, one worker, start-up counted. Efficiency: one worker's time by "
-    "the clock over twice that of two, only worth reading where nothing else runs. Of processors: "
-    "one worker's processor time over that of two. Against before: times as fast as what is kept "
-    f"in {KEPT.name}, both in the time of a fixed piece of work."
+    "the clock, on one core, over twice that of two on two, only worth reading where nothing else "
+    "runs. Of processors: one worker's processor time over that of two. Against before: times as "
+    f"fast as what is kept in {KEPT.name}, both in the time of a fixed piece of work."
 )
 BUSY = 0.3  # of load beyond what a command itself may leave: others are at work
 
@@ -50,7 +50,8 @@ def measured(work: Work, repeats: int, shared: Path, yard_s: float, before: floa
         for workers in (1, 2) if work.target is not None else (1,):
             with tempfile.TemporaryDirectory(dir=shared) as own:
                 place = Path(own)
-                spent[workers].append(timed(work.arguments(place, workers), place / "command.log"))
+                typed, log = work.arguments(place, workers), place / "command.log"
+                spent[workers].append(timed(typed, log, workers))
     return Rate(work.name, work.things, work.count, spent[1], spent[2], work.target, yard_s, before)
 
 

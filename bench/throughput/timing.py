@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,7 +37,7 @@ class Spent:
     processor_s: float
 
 
-def timed(arguments: Sequence[str], log: Path) -> Spent:
+def timed(arguments: Sequence[str], log: Path, cores: int | None = None) -> Spent:
     """Run ``rvbench`` with these arguments and wait for it.
 
     Parameters
@@ -44,13 +45,16 @@ def timed(arguments: Sequence[str], log: Path) -> Spent:
     arguments : sequence of str
     log : Path
         Where all that it says goes.
+    cores : int, optional
+        That it may use, where the system lets them be chosen: a worker's threads of light are
+        not to be more than what is counted. All unless given.
 
     Raises
     ------
     CommandFailed
         If its exit code is not 0.
     """
-    with log.open("wb") as said:
+    with log.open("wb") as said, _on_cores(cores):
         began = time.perf_counter()
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", "bench", *arguments],
@@ -68,6 +72,20 @@ def timed(arguments: Sequence[str], log: Path) -> Spent:
             f"{process.returncode}:\n{last}"
         )
     return Spent(clock_s, usage.ru_utime + usage.ru_stime)
+
+
+@contextmanager
+def _on_cores(count: int | None) -> Iterator[None]:
+    """Have processes begun meanwhile use so many cores, those of the lowest numbers."""
+    if count is None or not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    every = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, sorted(every)[:count])
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, every)
 
 
 def yardstick_s(rounds: int = 5) -> float:

@@ -1,5 +1,7 @@
 """A rate: what a second worker brings, and what does not depend on the machine."""
 
+import os
+
 import pytest
 
 from bench.throughput.kept import keep, rates_before
@@ -55,7 +57,10 @@ def test_a_yardstick_takes_time_of_the_processor():
 
 
 def test_a_command_is_timed_and_one_that_fails_says_its_last_words(tmp_path):
-    spent = timed(["--version"], tmp_path / "log")
+    every = os.sched_getaffinity(0)
+    spent = timed(["--version"], tmp_path / "log", cores=1)
+    assert os.sched_getaffinity(0) == every
+    assert spent.processor_s <= spent.clock_s + 0.1  # of one core; processors' clocks tick
     assert spent.processor_s > 0.0
     assert spent.clock_s > 0.0
     with pytest.raises(CommandFailed, match=r"got exit code 2:\n(.|\n)*nowhere"):
