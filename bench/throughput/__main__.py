@@ -101,7 +101,7 @@ def main(arguments: list[str] | None = None) -> int:
     if (load := os.getloadavg()[0]) > BUSY:
         console.print(f"load {load:.1f}: other work runs, so that efficiencies say little")
     try:
-        before, yard_s = rates_before(), yardstick_s()
+        before, yard_s = rates_before(asked.size), yardstick_s()
         with tempfile.TemporaryDirectory(dir=asked.out) as folder:
             rows = [
                 measured(work, asked.repeats, Path(folder), yard_s, before.get(work.name))
@@ -115,7 +115,7 @@ def main(arguments: list[str] | None = None) -> int:
     told = [asdict(row) | {name: getattr(row, name) for name in names} for row in rows]
     (asked.out / "throughput.json").write_text(json.dumps(told, indent=1))
     if asked.keep:
-        keep(rows)
+        keep(rows, asked.size)
     return 0 if all(row.reached for row in rows) else 1
 
 

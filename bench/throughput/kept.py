@@ -13,12 +13,19 @@ from models.errors import RvbenchError
 KEPT = Path(__file__).with_name("kept.json")
 
 
-def rates_before(path: Path = KEPT) -> dict[str, float]:
-    """Return each row's ``a_yardstick`` as it was kept, by the row's name; empty where none was.
+def rates_before(size: float, path: Path = KEPT) -> dict[str, float]:
+    """Return each row's ``a_yardstick`` as it was kept, by the row's name.
 
     Parameters
     ----------
+    size : float
+        Of the commands: start-up is counted, so that another size has another rate.
     path : Path
+
+    Returns
+    -------
+    dict of str to float
+        Empty where none was kept, or of another size.
 
     Raises
     ------
@@ -28,8 +35,9 @@ def rates_before(path: Path = KEPT) -> dict[str, float]:
     if not path.exists():
         return {}
     try:
-        rates = json.loads(path.read_text())["things_a_yardstick"]
-        return {str(name): float(rate) for name, rate in rates.items()}
+        told = json.loads(path.read_text())
+        rates = {str(name): float(rate) for name, rate in told["things_a_yardstick"].items()}
+        return rates if float(told["size"]) == size else {}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise RvbenchError(
             f"{path}: expected rates as --keep writes them, got something else ({error}); "
@@ -37,14 +45,15 @@ def rates_before(path: Path = KEPT) -> dict[str, float]:
         ) from error
 
 
-def keep(rows: Sequence[Rate], path: Path = KEPT) -> None:
+def keep(rows: Sequence[Rate], size: float, path: Path = KEPT) -> None:
     """Write the rows' rates as those to be held against.
 
     Parameters
     ----------
     rows : sequence of Rate
+    size : float
     path : Path
     """
     rates = {row.name: float(f"{row.a_yardstick:.4g}") for row in rows}
-    table = {"version": version("rvbench"), "things_a_yardstick": rates}
+    table = {"version": version("rvbench"), "size": size, "things_a_yardstick": rates}
     path.write_text(json.dumps(table, indent=1) + "\n")

@@ -43,13 +43,14 @@ def test_a_machine_of_half_the_speed_is_as_fast_as_before():
 
 def test_rates_are_kept_by_name(tmp_path):
     path = tmp_path / "kept.json"
-    assert rates_before(path) == {}
+    assert rates_before(1.0, path) == {}
     own = rate([Spent(20.0, 20.0)])
-    keep([own], path)
-    assert rates_before(path) == {"a suite": pytest.approx(own.a_yardstick, rel=1e-3)}
+    keep([own], 1.0, path)
+    assert rates_before(2.0, path) == {}
+    assert rates_before(1.0, path) == {"a suite": pytest.approx(own.a_yardstick, rel=1e-3)}
     path.write_text("[]")
     with pytest.raises(RvbenchError, match="expected rates as --keep writes them"):
-        rates_before(path)
+        rates_before(1.0, path)
 
 
 def test_a_yardstick_takes_time_of_the_processor():
