@@ -118,14 +118,10 @@ def _run(typed: list[str]) -> int:
     except KeyboardInterrupt:
         return _interrupted(verb)
     except OSError as error:
-        print(
-            "rvbench: expected the system to let us read and write, got: "
-            f"{_readable(str(error))}; every file "
-            "written so far is whole and kept",
-            file=sys.stderr,
-        )
-        return COULD_NOT_RUN
+        return _not_let(error)
     except Exception as error:
+        if isinstance(error, RuntimeError) and "Symlink loop" in str(error):  # of Path.resolve
+            return _not_let(error)
         if _lies_beneath(KeyboardInterrupt, error):  # Dr.Jit's loops wrap it in one of their own
             return _interrupted(verb)
         traceback.print_exc()
@@ -227,6 +223,16 @@ def _nobody_reads() -> int:
             os.dup2(nowhere, stream.fileno())
     os.close(nowhere)
     return NOBODY_READS
+
+
+def _not_let(error: Exception) -> int:
+    """Say what the system refuses."""
+    print(
+        "rvbench: expected the system to let us read and write, got: "
+        f"{_readable(str(error))}; every file written so far is whole and kept",
+        file=sys.stderr,
+    )
+    return COULD_NOT_RUN
 
 
 def _lies_beneath(kind: type[BaseException], error: BaseException | None) -> bool:

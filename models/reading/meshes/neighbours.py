@@ -52,7 +52,7 @@ class Neighbours:
             or ":" in parts[0]
             or ".." in parts
         )
-        if leads_out or not (here / plain).resolve().is_relative_to(here):
+        if leads_out or not _end_of(here / plain).is_relative_to(here):
             raise UnreadableError(
                 self.mesh,
                 "expected the files that it names in its own folder or below, got "
@@ -84,3 +84,11 @@ class Neighbours:
             )
         self.read[name] = data
         return data
+
+
+def _end_of(path: Path) -> Path:
+    """Return where a path leads; where links lead in a ring, itself: reading it says so."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):  # before Python 3.13 a ring is a RuntimeError
+        return path

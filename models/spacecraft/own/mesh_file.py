@@ -226,6 +226,10 @@ def _pieces(path: Path, scene: Any) -> Iterator[Piece]:
         if not len(faces):
             continue  # points and lines show nothing
         vertices = np.asarray(mesh.vertices, dtype=np.float64)
+        if vertices.ndim != 2 or vertices.shape[1] != 3:
+            raise UnreadableError(
+                path, "expected three numbers for every vertex, got fewer; export the mesh anew"
+            )
         with np.errstate(all="ignore"):
             vertices = vertices @ np.asarray(place)[:3, :3].T + np.asarray(place)[:3, 3]
         if not (np.abs(vertices) <= MOST_COORDINATE).all():

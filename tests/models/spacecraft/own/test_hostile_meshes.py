@@ -229,3 +229,15 @@ def test_a_material_that_is_gone_says_nothing(tmp_path):
     mesh = read_mesh_file(path)
     assert mesh.missing == ("a.mtl",)
     assert mesh.pieces[0].look.said == ""
+
+
+def test_a_vertex_of_two_numbers_is_refused(tmp_path):
+    path = tmp_path / "flat.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n")
+    assert "vert" in refused(path)
+
+
+def test_a_buffer_that_is_a_ring_of_links_is_refused(tmp_path):
+    (tmp_path / "a.bin").symlink_to("a.bin")
+    tree = tree_with("buffers", [{"byteLength": 36, "uri": "a.bin"}])
+    assert "a.bin" in refused(write_gltf(tmp_path / "probe.gltf", tree))
