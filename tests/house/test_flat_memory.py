@@ -7,42 +7,14 @@ over the second and the last quarter of the frames: by then all that is built on
 from pathlib import Path
 
 import pytest
+import tomli_w
 
 from tests.support.resident_memory import growth, watched
+from tests.support.tumble_scenario import tumble_table
 
 FRAMES = 400
 MOST_GROWTH = 0.03  # of what a process has; 10 kB lost with each frame are 0.7 % of 300 MB,
 # 100 kB, as of one plane of its image and its files' tables, 7 %
-CASE = """
-name = "turning"
-target = "xmm"
-[camera]
-width = 64
-[motion]
-end_s = {end_s}
-rate_hz = 10.0
-[sun]
-default = "0.1,0.2,1.0"
-[render]
-samples = 1
-max_depth = 2
-[exposure]
-mode = "fixed"
-exposure_ms = 4.0
-[tumble]
-rho0_m = [0.0, 30.0, 0.0]
-rho_dot0_m_s = [0.0, 1e-4, 0.0]
-omega0_deg_s = [0.5, -0.3, 0.2]
-inertia_kg_m2 = [[7052.0, -820.0, -3991.0], [-820.0, 129129.0, 0.0], [-3991.0, 0.0, 131196.0]]
-[tumble.orbit]
-a_km = 7143.1
-e = 1.4e-4
-i_deg = 98.2
-argument_of_perigee_deg = 85.9
-raan_deg = 79.2
-[tumble.onboard]
-range_m = [20.0, 40.0]
-"""
 SPECIFICATION = """
 name = "few"
 frames = {frames}
@@ -66,7 +38,9 @@ def pictures(folder: Path) -> int:
 @pytest.mark.slow
 def test_one_process_renders_many_frames_in_the_memory_of_few(tmp_path):
     case, out = tmp_path / "turning.toml", tmp_path / "out"
-    case.write_text(CASE.format(end_s=(FRAMES - 1) / 10.0))
+    motion = {"end_s": (FRAMES - 1) / 10.0, "rate_hz": 10.0}
+    render = {"samples": 1, "max_depth": 2}
+    case.write_text(tomli_w.dumps(tumble_table(motion=motion, render=render)))
     typed = ("render", case, "--out", out, "--store", tmp_path / "store", "--threads", "1")
     looks = watched((*typed, "--keep-light", "none"), lambda: pictures(out))
     own = next(iter(looks[0].now_mb))
