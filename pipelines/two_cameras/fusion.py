@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -155,9 +154,8 @@ class _Chain:
     def hand_from_chaser(self, errors: Floats) -> RigidTransform:
         count = len(self.joints_deg)
         turn, place = errors[count : count + 3], errors[count + 3 :]
-        told: Any = self.arm
         mount = self.arm.hand_from_tool.perturbed(-turn, -place)
-        return replace(told, hand_from_tool=mount).hand_from_chaser(
+        return replace(self.arm, hand_from_tool=mount).hand_from_chaser(
             self.joints_deg - errors[:count]
         )
 
