@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats, Image
+from models.arrays import Image
 from pipelines.acquisition.candidate import Candidate
+from pipelines.acquisition.daylight import Daylight
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Verdict
 from pipelines.acquisition.under_sun import UnderSun
 from pipelines.tracking.edge_fit import EdgeImage
@@ -89,7 +90,7 @@ class SunlitStart:
         self._work, self._enough = 0.0, np.inf
         self.last_s = -np.inf
 
-    def take(self, image: Image, time_s: float, sun_in_cam: Floats) -> StartAnswer:
+    def take(self, image: Image, time_s: float, daylight: Daylight) -> StartAnswer:
         """Take the next image.
 
         Parameters
@@ -97,8 +98,7 @@ class SunlitStart:
         image : (height, width) uint16 array, DN
         time_s : float, s
             Later than before.
-        sun_in_cam : (3,) array
-            Unit vector towards the Sun.
+        daylight : Daylight
         """
         if self.last_s == -np.inf:
             self.last_s = time_s
@@ -107,7 +107,7 @@ class SunlitStart:
             return StartAnswer(None, reason, 1.0, None, over=True)
         options = self._options
         enough = -np.inf if self._work > options.work_anew else self._enough
-        looked = self._looking.look(image, sun_in_cam, self._rivals.foreseen(time_s), enough)
+        looked = self._looking.look(image, daylight, self._rivals.foreseen(time_s), enough)
         self._work += looked.work
         self.last_s = time_s
         if not looked.candidates:

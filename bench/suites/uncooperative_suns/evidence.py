@@ -18,19 +18,21 @@ from bench.suites.uncooperative_suns.cases import (
     SUNS,
     MotionTask,
     draw_motion,
-    told_sun,
 )
 from bench.suites.uncooperative_suns.frames import known_of
 from bench.suites.uncooperative_suns.plan import Plan
 from bench.suites.uncooperative_suns.results import WRONG_DEG, WRONG_SHARE
 from bench.suites.uncooperative_suns.starts import frames_unit
+from bench.suites.uncooperative_suns.told import onboard_of
 from bench.suites.units import Outcome, WorkUnit, done_outcome
+from models.errors import DatasetError
 from models.pose import RigidTransform
 from pipelines.acquisition.candidate import SIGMAS_OF_FITNESS
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Standing
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.under_sun import UnderSun, make_views
 from pipelines.acquisition.under_sun_options import UnderSunOptions
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
 START_S = 6.0
 FITS = ("fitness", "preferred", "light", "steps", "range_sigma")  # of a candidate
@@ -76,22 +78,27 @@ def evidence(task: EvidenceTask, frames: str) -> Outcome:
     """
     motion, place = task.motion, Path(frames)
     shown = done_outcome(place.parents[1], frames_unit(motion, place.parent.name)).values
-    camera, detector, wireframe = known_of(motion)
+    camera, _, wireframe = known_of(motion)
     drawn = draw_motion(motion, camera, wireframe.radius_m)
     options = UnderSunOptions()
-    make_views(wireframe, options)
     silent = SunlitStartOptions(rivals=RivalOptions(most_wrong=-1.0))
     shape = (SUNS, task.images, options.finalists)
     poses, fits = np.full((*shape, 3, 4), np.nan), np.full((*shape, len(FITS)), np.nan)
     seconds = np.zeros(SUNS)
     for number in range(SUNS):
-        sun = told_sun(motion, number, drawn.suns_in_inertial[number], task.sun_sigma_deg)
-        start = SunlitStart(UnderSun(wireframe, camera, detector, options), silent)
+        onboard = onboard_of(motion, drawn, number, task.sun_sigma_deg)
+        known = UncooperativeKnowledge.of(onboard)
+        make_views(known.target, options)
+        looking = UnderSun(known.target, known.camera, known.detector, options)
+        start = SunlitStart(looking, silent)
         began = time.process_time()
         for image in range(task.images):
-            sun_in_cam = drawn.cam_from_inertial(image) @ sun
+            exposure_ms = float(shown["exposure_ms"][number, image])
+            daylight = known.daylight(drawn.chaser(image), exposure_ms)
+            if daylight is None:
+                raise DatasetError("expected the Sun's direction on board, got none")
             time_s = float(drawn.times_s[image])
-            said = start.take(shown["images"][number, image], time_s, sun_in_cam)
+            said = start.take(shown["images"][number, image], time_s, daylight)
             for k, one in enumerate(said.candidates):
                 poses[number, image, k] = one.pose.matrix()[:3]
                 fits[number, image, k] = [getattr(one, name) for name in FITS]
