@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from models.arrays import Floats
 from models.camera import Camera
 from models.dataset.detector_file import detector_to_toml, read_detector
 from models.dataset.marker_file import markers_to_toml, read_markers

@@ -54,7 +54,9 @@ def finished(
     factors : dict of str to float, optional
         By which what is known of a material's reflectance is off.
     """
-    return replace(wireframe, finish=finish_of(face_shares(wireframe, spacecraft), spacecraft, factors))
+    return replace(
+        wireframe, finish=finish_of(face_shares(wireframe, spacecraft), spacecraft, factors)
+    )
 
 
 def finish_of(
@@ -70,7 +72,9 @@ def finish_of(
     factors : dict of str to float, optional
         By which a material's reflectance is multiplied, as far as it stays below 1.
     """
-    known = {spacecraft.material_of(part).name: spacecraft.material_of(part) for part in spacecraft.parts}
+    known = {
+        spacecraft.material_of(part).name: spacecraft.material_of(part) for part in spacecraft.parts
+    }
     own = [known[name] for name in met.materials]
     scale = np.array([(factors or {}).get(name, 1.0) for name in met.materials])
     diffuse = np.array([material.diffuse.sunlight for material in own])
@@ -129,7 +133,9 @@ def face_shares(wireframe: Wireframe, spacecraft: Spacecraft) -> FaceShares:
             slope = 1.0 / (normals[met] @ normal) ** 2 - 1.0
             number_of = np.bincount(of[met], minlength=len(names))
             shares[number, side] = number_of / max(len(met), 1)
-            slopes[number, side] = np.bincount(of[met], slope, len(names)) / np.maximum(number_of, 1)
+            slopes[number, side] = np.bincount(of[met], slope, len(names)) / np.maximum(
+                number_of, 1
+            )
     return FaceShares(tuple(names), shares, slopes)
 
 

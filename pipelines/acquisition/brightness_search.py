@@ -1,11 +1,11 @@
-"""Poses at which an image's brightness is likeliest: many are held against it, the better moved.
+"""Poses held against an image's brightness, and moved to where it is likelier.
 
-A pose costs a millisecond against coarse cells, so that sixty are moved, then those that lead.
+A pose costs a millisecond against coarse cells, three against fine ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,14 +17,13 @@ from pipelines.acquisition.photometry import ShownLight, likelihood, shown_light
 from pipelines.acquisition.surface_cloud import SurfaceCloud, shape_of, surface_cloud
 from pipelines.tracking.edge_fit import EdgeImage
 
-THIN_POINTS, ROUGH_CELLS = 5_000, 20.0
+THIN_POINTS, ROUGH_CELLS = 5_000, 24.0
 TURN_RAD, ASIDE, AWAY = 0.09, 0.04, 0.04  # rad, radii, of the range: a step of size 1
-POLISHING = (0.7, 0.35, 0.35, 0.15)  # sizes of steps
+POLISHING = (0.5, 0.25)  # sizes of steps
 LOOK_WORK = 0.035  # of a coarse look, in fits
 FULL_DN = 60_000.0  # above the sky, where no detector is known
 
 Scored = tuple[RigidTransform, float]
-Same = Callable[[RigidTransform, RigidTransform], bool]
 
 
 class BrightnessSearch:
@@ -76,18 +75,18 @@ class BrightnessSearch:
         return sorted(found, key=lambda one: -one[1])
 
     def polished(self, start: RigidTransform) -> RigidTransform:
-        """Return the likeliest pose near another, in fine cells.
+        """Return the likeliest pose near another.
 
         Parameters
         ----------
         start : RigidTransform
         """
-        pose = start, self._share(self._fine, self._thin, start)
+        pose = start, self._share(self._rough, self._thin, start)
         for size in POLISHING:
-            pose = self.moved(pose, size, self._fine)
+            pose = self.moved(pose, size)
         return pose[0]
 
-    def moved(self, start: Scored, size: float, shown: ShownLight | None = None) -> Scored:
+    def moved(self, start: Scored, size: float) -> Scored:
         """Return a pose a step away that is likelier: a search along each axis, either way.
 
         Parameters
@@ -95,21 +94,17 @@ class BrightnessSearch:
         start : (RigidTransform, float)
         size : float
             Of the step; 1 is 5 deg, 4 % of the radius aside and 4 % of the range.
-        shown : ShownLight, optional
-            The image's cells; coarse unless given.
         """
         pose, best = start
         steps = size * np.diag(
-            [TURN_RAD] * 3
-            + [ASIDE * self._radius_m] * 2
-            + [AWAY * float(pose.translation[2])]
+            [TURN_RAD] * 3 + [ASIDE * self._radius_m] * 2 + [AWAY * float(pose.translation[2])]
         )
         for step in steps:
             for way in (1.0, -1.0):
                 tried = pose.perturbed(way * step[:3], way * step[3:])
                 if tried.translation[2] <= self._radius_m:
                     continue
-                found = self._share(shown or self._rough, self._thin, tried)
+                found = self._share(self._rough, self._thin, tried)
                 self.work += LOOK_WORK
                 if found > best:
                     pose, best = tried, found
@@ -121,23 +116,3 @@ class BrightnessSearch:
             cloud, self._finishes, self._camera, pose, self._light, shown.cell_px, shown.corner_px
         )
         return likelihood(shown, told, self._light.white_dn or 0.0) / shown.most
-
-
-def different(found: Sequence[Scored], same: Same, count: int) -> list[Scored]:
-    """Return the best of poses that differ, the best first.
-
-    Parameters
-    ----------
-    found : sequence of (RigidTransform, float)
-    same : callable
-        Tells whether two poses are the same.
-    count : int
-        At most so many.
-    """
-    kept: list[Scored] = []
-    for one in sorted(found, key=lambda each: -each[1]):
-        if not any(same(one[0], other[0]) for other in kept):
-            kept.append(one)
-        if len(kept) == count:
-            break
-    return kept

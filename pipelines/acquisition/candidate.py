@@ -11,6 +11,7 @@ from pipelines.acquisition.light_likelihood import ToldLight
 from pipelines.tracking.edge_fit import EdgeFit
 from pipelines.tracking.pose_check import PoseCheck
 
+WITH_BRIGHTNESS = (36.0, 9.6, 0.65)  # weights of brightness, fitness and preference
 SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light prefers
 
 
@@ -23,8 +24,7 @@ class Candidate:
     fit : EdgeFit
     check : PoseCheck
     light : float
-        Share of the image's light that it explains: of its brightness (``photometry``) where that
-        is known, else of what shines at all (``light_likelihood``).
+        Share of the image's light that it explains; see ``light_likelihood``.
     steps : float
         Share found of the steps in brightness that are due, each counted by how near it is.
     shading : float
@@ -33,8 +33,9 @@ class Candidate:
         What it says of the light.
     preferred : float
         How clearly the light prefers it to the best fit of the image, in sigmas.
-    by_brightness : bool
-        Whether that is its brightness.
+    brightness : float or None
+        Share of the best log-likelihood of the image's brightness that there could be
+        (``photometry``), where it is known what light falls on what surfaces.
     """
 
     fit: EdgeFit
@@ -44,7 +45,7 @@ class Candidate:
     shading: float
     told: ToldLight
     preferred: float = 0.0
-    by_brightness: bool = False
+    brightness: float | None = None
 
     @property
     def pose(self) -> RigidTransform:
@@ -53,13 +54,7 @@ class Candidate:
 
     @property
     def fitness(self) -> float:
-        """How it fits by itself, in one number; a perfect fit has about 1.7.
-
-        By brightness it is a log-likelihood in units of 20: the weights by which right poses are
-        likeliest among rivals of 144 images of training motions.
-        """
-        if self.by_brightness:
-            return 1.55 * self.light + 0.6 * self.check.score
+        """How it fits by itself, in one number; a perfect fit has about 1.7."""
         return self.light + 0.5 * self.steps + 0.25 * self.check.score + 0.2 * self.shading
 
     @property
@@ -73,5 +68,23 @@ class Candidate:
 
     @property
     def score(self) -> float:
-        """How it fits, and how it stands to the image's best fit, in sigmas."""
-        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
+        """How it fits, and how it stands to the image's best fit; see ``score_of``."""
+        return score_of(self.fitness, self.preferred, self.brightness)
+
+
+def score_of(fitness: float, preferred: float, brightness: float | None) -> float:
+    """Return how a candidate stands among others: in sigmas, or as a log-likelihood.
+
+    With its brightness it is the sum under which right poses are likeliest among the candidates of
+    LOOKED_AT images of training motions.
+
+    Parameters
+    ----------
+    fitness, preferred : float
+    brightness : float or None
+        See ``Candidate``.
+    """
+    if brightness is None:
+        return SIGMAS_OF_FITNESS * fitness + preferred
+    of_brightness, of_fitness, of_preferred = WITH_BRIGHTNESS
+    return of_brightness * brightness + of_fitness * fitness + of_preferred * preferred

@@ -24,6 +24,7 @@ from pipelines.acquisition.surface_cloud import (
     sunlight_kept,
 )
 
+PARTS = 2  # of a cell's side, in which the target is seen: what covers part of a cell is dimmer
 MOST_CELLS = 800  # of a side of any grid
 GRAZING = 0.02  # cosine at which a face is seen, at least
 EARTH_SINE2 = (EARTH_RADIUS_KM / GEO_RADIUS_KM) ** 2
@@ -101,10 +102,12 @@ def predicted_light(
     depth = np.maximum(in_cam[:, 2], 1e-3)
     flat = in_cam[:, :2] / depth[:, None] * np.array([camera.fx, camera.fy])
     flat += np.array([camera.cx, camera.cy])
-    cell = np.floor((flat - corner_px) / cell_px).astype(np.int64)
-    corner = np.clip(cell.min(axis=0) - 2, -MOST_CELLS, MOST_CELLS)
-    width, height = np.clip(cell.max(axis=0) + 3 - corner, 1, MOST_CELLS).tolist()
-    seen = nearest_in_cells(cell[:, 0] - corner[0], cell[:, 1] - corner[1], depth, width, height)
+    cell = np.floor((flat - corner_px) * (PARTS / cell_px)).astype(np.int64)
+    corner = np.clip(cell.min(axis=0) // PARTS - 2, -MOST_CELLS, MOST_CELLS)
+    last = cell.max(axis=0) // PARTS
+    width, height = (PARTS * np.clip(last + 3 - corner, 1, MOST_CELLS)).tolist()
+    first = PARTS * corner
+    seen = nearest_in_cells(cell[:, 0] - first[0], cell[:, 1] - first[1], depth, width, height)
     there = seen >= 0
     point = seen[there]
     ways = -in_cam[point]
@@ -185,4 +188,9 @@ def _closed(grids: Radiance, corner: Indices) -> PredictedLight:
         around = np.maximum(cv2.blur(grids[2], (3, 3)), 1e-6)
         direct = np.where(holes, cv2.blur(direct, (3, 3)) / around, direct)
         stray = np.where(holes, cv2.blur(stray, (3, 3)) / around, stray)
-    return PredictedLight(direct, stray, closed, corner)
+    size = (closed.shape[1] // PARTS, closed.shape[0] // PARTS)
+    direct, stray, share = (
+        cv2.resize(np.asarray(each, dtype=np.float32), size, interpolation=cv2.INTER_AREA)
+        for each in (direct, stray, closed)
+    )
+    return PredictedLight(direct, stray, share > 0.0, corner)

@@ -26,7 +26,7 @@ SKY_SIGMA, SKY_UNMODELLED = 0.5, 0.001  # of an empty sky
 BLUR_PX = 0.4
 STRAY = (0.0, 0.003, 0.02)  # of what is lit, that faces throw at each other: the likeliest one
 STRAY_MOST = 3.0  # times as much, at most
-DARKEST, FLAT = 1.5, 0.05
+FLAT = 0.05  # levels that differ by less are one
 SQUARE = np.ones((3, 3), dtype=np.uint8)
 
 
@@ -98,11 +98,11 @@ def shown_light(
     knee_dn = 4.0 * target.sky_sigma_dn
     # What the smoothing did not find is noise or a star.
     signal = np.where(lit >= 0.4, signal, np.minimum(signal, knee_dn))
-    shown = ShownLight(np.zeros(0), cell_px, low - 0.5, knee_dn, full_dn, 0.0)
+    shown = ShownLight(signal, cell_px, low - 0.5, knee_dn, full_dn, 0.0)
     level = shown.stretched(signal)
-    found = level[level > DARKEST]
-    best = np.log(_normal(0.0, SIGMA)) - np.log(_of_sky(found, shown.highest))
-    return ShownLight(level, cell_px, low - 0.5, knee_dn, full_dn, max(float(best.sum()), 1.0))
+    gains = np.log(_normal(0.0, SIGMA)) - np.log(_of_sky(level, shown.highest))
+    most = float(np.maximum(gains, 0.0).sum())
+    return ShownLight(level, cell_px, low - 0.5, knee_dn, full_dn, max(most, 1.0))
 
 
 def likelihood(shown: ShownLight, told: PredictedLight, white_dn: float) -> float:
@@ -162,7 +162,7 @@ def _under(level: Radiance, told: PredictedLight) -> Radiance:
     left, top = max(0, first_column), max(0, first_row)
     right, bottom = min(columns, first_column + width), min(rows, first_row + height)
     if right > left and bottom > top:
-        found[
-            top - first_row : bottom - first_row, left - first_column : right - first_column
-        ] = level[top:bottom, left:right]
+        found[top - first_row : bottom - first_row, left - first_column : right - first_column] = (
+            level[top:bottom, left:right]
+        )
     return found

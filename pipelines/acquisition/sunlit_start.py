@@ -14,7 +14,13 @@ from scipy.spatial.transform import Rotation
 from models.arrays import Image
 from pipelines.acquisition.candidate import Candidate
 from pipelines.acquisition.daylight import Daylight
-from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Verdict
+from pipelines.acquisition.rivals import (
+    Belief,
+    RivalOptions,
+    Rivals,
+    Verdict,
+    belief_by_brightness,
+)
 from pipelines.acquisition.under_sun import UnderSun
 from pipelines.tracking.edge_fit import EdgeImage
 
@@ -26,7 +32,8 @@ class SunlitStartOptions:
     Attributes
     ----------
     rivals : RivalOptions
-    belief : Belief
+    belief, by_brightness : Belief
+        Where shapes of light alone tell poses apart, and where their brightness is known.
     most_work : float
         In fits: an image that would begin beyond it is not looked at. A core of 2020 does 37 a
         second.
@@ -41,6 +48,7 @@ class SunlitStartOptions:
 
     rivals: RivalOptions = field(default_factory=RivalOptions)
     belief: Belief = field(default_factory=Belief)
+    by_brightness: Belief = field(default_factory=belief_by_brightness)
     most_work: float = 170.0
     followed: float = 0.85
     least_followed: float = 0.5
@@ -86,7 +94,9 @@ class SunlitStart:
 
     def __init__(self, looking: UnderSun, options: SunlitStartOptions) -> None:
         self._looking, self._options = looking, options
-        self._rivals: Rivals[Candidate] = Rivals(looking, options.rivals, options.belief)
+        self._rivals: Rivals[Candidate] = Rivals(
+            looking, options.rivals, options.belief, options.by_brightness
+        )
         self._work, self._enough = 0.0, np.inf
         self.last_s = -np.inf
 

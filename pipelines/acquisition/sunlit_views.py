@@ -34,7 +34,6 @@ CELLS = 24  # of a side of a template,
 REACH = 2.8  # which ends this many radii of gyration from the centroid
 SOFT_CELLS = 0.8
 DIMMEST = 0.15  # of a lit point's weight: one that the Sun grazes is still seen
-FAINT = 0.02  # of a white face's brightness: dimmer ones differ little in a template
 ROLLS = 36
 SCALES = (0.87, 1.0, 1.15)
 SHIFTS = ((0.0, 0.0), (0.22, 0.0), (-0.22, 0.0), (0.0, 0.22), (0.0, -0.22))
@@ -97,41 +96,6 @@ class SunlitViews:
     gyration: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Shine:
-    """How brightly the faces of a target shine in an image, for templates.
-
-    Attributes
-    ----------
-    reflects : (n, 2) array
-        By each point of the cloud, on the side of its normal and on the other.
-    earth : float
-        What the Earth adds everywhere, over the Sun's light met squarely.
-    most : float
-        That saturates, over a white face that the Sun meets squarely.
-    """
-
-    reflects: Floats
-    earth: float
-    most: float
-
-    def of(self, seen: SeenViews, cosine: Floats) -> Floats:
-        """Return the weight of each cell of all views, by the Sun's cosine there."""
-        side = (seen.towards < 0.0).astype(np.int64)
-        light = np.maximum(cosine, 0.0) + self.earth
-        return shine_of(np.minimum(self.reflects[seen.point, side] * light, self.most))
-
-
-def shine_of(brightness: Floats | Radiance) -> Floats:
-    """Return what a template makes of a brightness, 1 for white: dim faces count, too.
-
-    Parameters
-    ----------
-    brightness : array
-    """
-    return np.asarray(np.log1p(np.maximum(brightness, 0.0) / FAINT))
-
-
 @lru_cache(maxsize=4)
 def seen_views(wireframe: Wireframe, range_radii: float, count: int) -> SeenViews:
     """Look at a target from all around; kept in memory, and made before the first image.
@@ -188,9 +152,7 @@ def even_views(seen: SeenViews) -> SunlitViews:
     return SunlitViews(0.0, flat[None], centre[None], gyration[None])
 
 
-def sunlit_views(
-    seen: SeenViews, phase_rad: float, shine: Shine | None = None
-) -> SunlitViews:
+def sunlit_views(seen: SeenViews, phase_rad: float) -> SunlitViews:
     """Light all views from a phase angle, the Sun all around the line of sight.
 
     Parameters
@@ -198,8 +160,6 @@ def sunlit_views(
     seen : SeenViews
     phase_rad : float, rad
         Between the Sun and the camera, as the target sees them.
-    shine : Shine, optional
-        How brightly faces shine; without it all alike.
     """
     every = []
     for number in range(AZIMUTHS):
@@ -213,8 +173,9 @@ def sunlit_views(
         )
         nearest = np.argmax((seen.rotations.transpose(0, 2, 1) @ sun) @ seen.suns.T, axis=1)
         cosine = seen.light[nearest[seen.view], seen.point] * seen.towards
-        lit = np.where(cosine > 0.0, DIMMEST + (1.0 - DIMMEST) * cosine, 0.0)
-        every.append(_pictures(seen, lit if shine is None else shine.of(seen, cosine)))
+        every.append(
+            _pictures(seen, np.where(cosine > 0.0, DIMMEST + (1.0 - DIMMEST) * cosine, 0.0))
+        )
     pictures, centroids, gyrations = (np.array(each) for each in zip(*every, strict=True))
     return SunlitViews(phase_rad, pictures, centroids, gyrations)
 

@@ -51,7 +51,6 @@ class SurfaceCloud:
         """Whether it has so few points that shadows are kept for it from all around."""
         return len(self.points) < THIN
 
-
     def __len__(self) -> int:
         return len(self.points)
 

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arrays import Floats, Image, Radiance
+from models.arrays import Floats, Image
 from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
-from pipelines.acquisition.brightness_search import FULL_DN, BrightnessSearch, Scored, different
+from pipelines.acquisition.brightness_search import FULL_DN, THIN_POINTS, BrightnessSearch
 from pipelines.acquisition.candidate import Candidate
-from pipelines.acquisition.daylight import Daylight, earth_share
+from pipelines.acquisition.daylight import Daylight
 from pipelines.acquisition.image_part import cut_out, lit_extent_rad, phase_rad
 from pipelines.acquisition.light_likelihood import (
     ImageLight,
@@ -33,19 +33,16 @@ from pipelines.acquisition.light_likelihood import (
 )
 from pipelines.acquisition.light_placing import coarse_light, placed
 from pipelines.acquisition.lit_edges import LitEdges
-from pipelines.acquisition.photometry import LEVEL
 from pipelines.acquisition.sunlit_views import (
     SeenViews,
-    Shine,
     SunlitViews,
     even_views,
     search_sunlit_views,
     seen_views,
-    shine_of,
     sunlit_views,
 )
 from pipelines.acquisition.surface_cloud import kept_shadows, shape_of, surface_cloud
-from pipelines.acquisition.under_sun_options import Effort, UnderSunOptions
+from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.tracking.edge_fit import EdgeImage, fit_edges, search_steps
 from pipelines.tracking.model_edges import ModelEdges
 from pipelines.tracking.pose_check import check_pose
@@ -56,14 +53,11 @@ RANGE_SLACK = 1.25  # beyond the coarse range that is known
 PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
 NEAR_PX = 2.0  # an edge this near to its step is found,
 SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
-THIN_POINTS, ROUGH_CELLS = 5_000, 2.0  # of a cloud for cells so much larger
+SPARSE_POINTS, ROUGH_CELLS = 5_000, 2.0  # of a cloud for cells so much larger
 POLISH_RAD, POLISH_ASIDE, POLISH_RANGE = 0.09, 0.04, 0.04  # rad, radii, of the range
 POLISHED_REACH_PX = 5.0
-MIRROR_SEEN = 0.1  # of the mirrored light, in a template: lobes are narrow
-EARTH_MET = 0.3  # cosine at which the Earth is met in a template: its direction is none's
-SATURATES = 0.98  # of the way to the converter's or the well's end
-STEP_SIZES = (1.5, 0.7, 0.35)  # of the search by brightness
 POLISH_WORK = 1.2
+SATURATES = 0.98  # of the way to the converter's or the well's end
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
 TEMPLATE_WORK, SEARCH_WORK, PLACE_WORK, LIGHT_WORK, FIT_WORK = 14.0, 6.0, 0.05, 0.15, 1.0  # in fits
 
@@ -132,12 +126,10 @@ class UnderSun:
         self._options = options
         self._shape = shape_of(wireframe)
         self._cloud = surface_cloud(self._shape)
-        self._thin_cloud = surface_cloud(self._shape, THIN_POINTS)
+        self._thin_cloud = surface_cloud(self._shape, SPARSE_POINTS)
         self._edges = ModelEdges(wireframe)
         self._full_dn = (
-            FULL_DN
-            if detector is None
-            else SATURATES * (detector.saturation_dn - detector.bias_dn)
+            FULL_DN if detector is None else SATURATES * (detector.saturation_dn - detector.bias_dn)
         )
         self._range_m = range_m
         self._seen: SeenViews | None = None
@@ -179,16 +171,11 @@ class UnderSun:
         phase, work = phase_rad(cut, sun_in_cam), SEARCH_WORK
         off_rad = np.inf if self._lit is None else abs(self._lit.phase_rad - phase)
         if self._lit is None or off_rad > np.deg2rad(PHASE_STEP_DEG) or self._seen is not seen:
-            self._seen, self._lit = seen, sunlit_views(seen, phase, self._shine(daylight))
+            self._seen, self._lit = seen, sunlit_views(seen, phase)
             work += TEMPLATE_WORK
+        shine = np.sqrt(np.minimum(brightness(cut.target), 1.0)).astype(np.float32)
         views = search_sunlit_views(
-            self._shown(cut, daylight),
-            cut.camera,
-            seen,
-            self._lit,
-            sun_in_cam,
-            self._wireframe.radius_m,
-            effort.views,
+            shine, cut.camera, seen, self._lit, sun_in_cam, self._wireframe.radius_m, effort.views
         )
         even = search_sunlit_views(
             cut.target.lit.astype(np.float32),
@@ -214,9 +201,6 @@ class UnderSun:
         ]
         work += PLACE_WORK * len(views)
         views.sort(key=lambda view: -view.likeness)
-        if self._knows_brightness(daylight):
-            starts = [*expected, *(view.cam_from_target for view in views)]
-            return self._by_brightness(cut, light, daylight, starts, len(expected), effort, work)
         starts = [view.cam_from_target for view in views[: effort.held]] + list(expected)
         starts = [start for start in starts if self._in_range(start)]
         shares = [self._light(cut, light, start, sun_in_cam) for start in starts]
@@ -245,91 +229,25 @@ class UnderSun:
         finals = found[: options.finalists]
         told = finals[0].told
         weighed = [replace(one, preferred=preference(light, one.told, told)) for one in finals]
+        if daylight.white_dn is not None and self._wireframe.finish is not None:
+            search = BrightnessSearch(
+                cut, self._full_dn, self._wireframe, self._cloud, daylight, radius_px
+            )
+            weighed = [self._by_brightness(cut, search, one) for one in weighed]
+            work += search.work
         weighed.sort(key=lambda one: -one.score)
         return Looked(cut, light, tuple(weighed), "", work)
 
-    def _shown(self, cut: EdgeImage, daylight: Daylight) -> Radiance:
-        """Return how brightly an image shines, as templates have it."""
-        if daylight.white_dn is None or not self._knows_brightness(daylight):
-            shine = np.sqrt(np.minimum(brightness(cut.target), 1.0))
-        else:
-            signal = np.where(cut.target.lit, cut.target.signal, 0.0)
-            shine = shine_of(signal / (LEVEL * daylight.white_dn))
-        return np.asarray(shine, dtype=np.float32)
-
-    def _shine(self, daylight: Daylight) -> Shine | None:
-        """Return how brightly the target's faces shine, if that is known."""
-        finish = self._wireframe.finish
-        if finish is None or daylight.white_dn is None:
-            return None
-        reflects = (finish.diffuse + MIRROR_SEEN * finish.mirror)[self._cloud.face]
-        earth = 0.0
-        if daylight.earth_in_cam is not None:
-            share = earth_share(float(-daylight.earth_in_cam @ daylight.sun_in_cam))
-            earth = EARTH_MET * share
-        return Shine(reflects, earth, self._full_dn / (LEVEL * daylight.white_dn))
-
-    def _knows_brightness(self, daylight: Daylight) -> bool:
-        return daylight.white_dn is not None and self._wireframe.finish is not None
-
-    def _by_brightness(
-        self,
-        cut: EdgeImage,
-        light: ImageLight,
-        daylight: Daylight,
-        starts: list[RigidTransform],
-        expected: int,
-        effort: Effort,
-        work: float,
-    ) -> Looked:
-        """Return the poses at which an image's brightness is likeliest, laid on its edges."""
-        radius_px = float(np.median([self._radius_px(cut, start) for start in starts]))
-        search = BrightnessSearch(
-            cut, self._full_dn, self._wireframe, self._cloud, daylight, radius_px
-        )
-        foreseen = search.rough(starts[:expected])
-        found = search.rough([start for start in starts[expected:] if self._in_range(start)])
-        found = different(found, self.same, effort.moved[0])
-        for size, count in zip(STEP_SIZES, effort.moved, strict=True):
-            moved = [search.moved(one, size) for one in (*foreseen, *found[:count])]
-            found, foreseen = different(moved, self.same, count), []
-        twins = search.rough(
-            [
-                RigidTransform(pose.rotation @ turn, pose.translation)
-                for pose, _ in found[: effort.twinned]
-                for turn in self._half_turns
-            ]
-        )
-        for size in STEP_SIZES:
-            twins = [search.moved(one, size) for one in twins]
-        finals = different([*found, *twins], self.same, self._options.finalists)
-        laid = [self._settled(cut, light, daylight, search, one) for one in finals]
-        work += search.work + FIT_WORK * len(finals)
-        kept = self._different([one for one in laid if one is not None])
-        if not kept:
-            reason = "no view of the target can be laid on the image's edges"
-            return Looked(cut, light, (), reason, work)
-        kept.sort(key=lambda one: -one.score)
-        return Looked(cut, light, tuple(kept), "", work)
-
-    def _settled(
-        self,
-        cut: EdgeImage,
-        light: ImageLight,
-        daylight: Daylight,
-        search: BrightnessSearch,
-        found: Scored,
-    ) -> Candidate | None:
-        """Lay a pose on the edges, and leave it where it was if the brightness is likelier there."""
-        polished = search.polished(found[0])
-        one = self._laid(cut, light, polished, daylight.sun_in_cam, POLISHED_REACH_PX)
-        if one is None:
-            return None
-        before, after = search.share(polished), search.share(one.pose)
-        if before > after:
-            check = check_pose(cut, self._edges, polished)
-            one = replace(one, fit=replace(one.fit, cam_from_target=polished), check=check)
-        return replace(one, light=max(before, after), by_brightness=True)
+    def _by_brightness(self, cut: EdgeImage, search: BrightnessSearch, one: Candidate) -> Candidate:
+        """Say how likely the brightness is at a pose, moved to where it is likelier nearby."""
+        share = search.share(one.pose)
+        pose = search.polished(one.pose)
+        likelier = search.share(pose)
+        if likelier > share and self._in_range(pose):
+            fit = replace(one.fit, cam_from_target=pose)
+            one = replace(one, fit=fit, check=check_pose(cut, self._edges, pose))
+            share = likelier
+        return replace(one, brightness=share)
 
     def same(self, pose: RigidTransform, other: RigidTransform) -> bool:
         """Tell whether two poses are near each other, a symmetry of the target aside."""

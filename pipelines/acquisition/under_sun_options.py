@@ -22,9 +22,6 @@ class Effort:
     polished : int
         How many of all of these are moved to where the light is likeliest, and laid anew: a small
         target's edges fit poses some degrees apart alike.
-    moved : (int, int, int)
-        Where the brightness is known that a pose must show: how many of the likeliest views are
-        moved to where it is likelier, with large steps, with smaller ones, and the smallest.
     """
 
     views: int = 90
@@ -32,7 +29,6 @@ class Effort:
     laid: int = 12
     twinned: int = 2
     polished: int = 4
-    moved: tuple[int, int, int] = (40, 16, 8)
 
 
 @dataclass(frozen=True)
@@ -58,7 +54,7 @@ class UnderSunOptions:
     fine_width: int = 1024
     directions: int = 500
     anew: Effort = field(default_factory=Effort)
-    quick: Effort = field(default_factory=lambda: Effort(30, 16, 4, 1, 2, (10, 6, 4)))
+    quick: Effort = field(default_factory=lambda: Effort(30, 16, 4, 1, 2))
     finalists: int = 6
     apart_deg: float = 8.0
     apart_share: float = 0.05

@@ -109,9 +109,7 @@ def shown(frame: Frame, chaser: ChaserState, mount: CameraMount | None = None) -
         pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
         return PointFrame(frame.index, frame.time_s, pixels, chaser, mount)
     reading = frame.image(IMAGE)
-    return ImageFrame(
-        frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms
-    )
+    return ImageFrame(frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms)
 
 
 def image_frame(

@@ -27,7 +27,7 @@ from bench.suites.uncooperative_suns.told import onboard_of
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.errors import DatasetError
 from models.pose import RigidTransform
-from pipelines.acquisition.candidate import SIGMAS_OF_FITNESS
+from pipelines.acquisition.candidate import score_of
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Standing
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.under_sun import UnderSun, make_views
@@ -35,7 +35,7 @@ from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
 START_S = 6.0
-FITS = ("fitness", "preferred", "light", "steps", "range_sigma")  # of a candidate
+FITS = ("fitness", "preferred", "light", "steps", "range_sigma", "brightness")  # of a candidate
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def evidence(task: EvidenceTask, frames: str) -> Outcome:
     Returns
     -------
     Outcome
-        ``pose`` (k, images, finalists, 3, 4) and ``fits`` (k, images, finalists, 5), the numbers of
+        ``pose`` (k, images, finalists, 3, 4) and ``fits`` (k, images, finalists, 6), the numbers of
         ``Noted``: NaN where there was no candidate. Seconds of one core, by start.
     """
     motion, place = task.motion, Path(frames)
@@ -101,7 +101,8 @@ def evidence(task: EvidenceTask, frames: str) -> Outcome:
             said = start.take(shown["images"][number, image], time_s, daylight)
             for k, one in enumerate(said.candidates):
                 poses[number, image, k] = one.pose.matrix()[:3]
-                fits[number, image, k] = [getattr(one, name) for name in FITS]
+                given = [getattr(one, name) for name in FITS]
+                fits[number, image, k] = [np.nan if each is None else each for each in given]
             if said.over:
                 break
         seconds[number] = time.process_time() - began
@@ -139,11 +140,12 @@ class Noted:
     light: float
     steps: float
     range_sigma: float
+    brightness: float | None
 
     @property
     def score(self) -> float:
         """How it fits, as a candidate has it."""
-        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
+        return score_of(self.fitness, self.preferred, self.brightness)
 
 
 def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> list[Row]:
@@ -170,7 +172,7 @@ def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> 
         rivals: Rivals[Noted] = Rivals(looking, RivalOptions(), belief or Belief())
         for image in range(unit.task.images):
             own = [
-                Noted(RigidTransform(pose[:, :3], pose[:, 3]), *fit)
+                _noted(RigidTransform(pose[:, :3], pose[:, 3]), fit)
                 for pose, fit in zip(
                     outcome.values["pose"][number, image],
                     outcome.values["fits"][number, image].tolist(),
@@ -188,6 +190,12 @@ def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> 
             start = (motion.target, motion.seed, motion.number, number)
             rows.append(Row(start, image, verdict.standing, bool(wrong)))
     return rows
+
+
+def _noted(pose: RigidTransform, fit: list[float]) -> Noted:
+    fitness, preferred, light, steps, range_sigma, brightness = fit
+    known = None if np.isnan(brightness) else brightness
+    return Noted(pose, fitness, preferred, light, steps, range_sigma, known)
 
 
 def evidence_units(plan: Plan, target: str, images: int) -> list[WorkUnit]:

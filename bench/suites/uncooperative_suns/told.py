@@ -1,8 +1,7 @@
-"""What is on board of one start: where Sun and Earth stand, what surfaces reflect, the camera's level.
+"""What is on board of one start: the light, what surfaces reflect, and the camera's level.
 
-None of it is exact: the Sun's direction is off by the chaser's attitude, each material's reflectance
-by what ages it and what nobody measured, the camera's level by its calibration. A target of one's
-own that has no finishes told is looked for by shapes of light alone.
+None of it is exact: the Sun's direction is off by the chaser's attitude, each material's
+reflectance by age and by what nobody measured, the camera's level by its calibration.
 """
 
 from __future__ import annotations
@@ -85,9 +84,7 @@ def onboard_of(
     """
     true = _true(task.target, task.shape, task.width, task.samples)
     off = task.rng(FINISH_DRAW).standard_normal(len(true.met.materials))
-    factors = dict(
-        zip(true.met.materials, np.exp(REFLECTANCE_SIGMA * off).tolist(), strict=True)
-    )
+    factors = dict(zip(true.met.materials, np.exp(REFLECTANCE_SIGMA * off).tolist(), strict=True))
     level = float(np.exp(LEVEL_SIGMA * task.rng(LEVEL_DRAW).standard_normal()))
     return OnboardKnowledge(
         camera=needed(true.onboard.camera, "camera.toml", "the suite"),
