@@ -233,21 +233,16 @@ class UnderSun:
             search = BrightnessSearch(
                 cut, self._full_dn, self._wireframe, self._cloud, daylight, radius_px
             )
-            weighed = [self._by_brightness(cut, search, one) for one in weighed]
+            weighed = [self._by_brightness(search, one) for one in weighed]
             work += search.work
         weighed.sort(key=lambda one: -one.score)
         return Looked(cut, light, tuple(weighed), "", work)
 
-    def _by_brightness(self, cut: EdgeImage, search: BrightnessSearch, one: Candidate) -> Candidate:
-        """Say how likely the brightness is at a pose, moved to where it is likelier nearby."""
-        share = search.share(one.pose)
-        pose = search.polished(one.pose)
-        likelier = search.share(pose)
-        if likelier > share and self._in_range(pose):
-            fit = replace(one.fit, cam_from_target=pose)
-            one = replace(one, fit=fit, check=check_pose(cut, self._edges, pose))
-            share = likelier
-        return replace(one, brightness=share)
+    @staticmethod
+    def _by_brightness(search: BrightnessSearch, one: Candidate) -> Candidate:
+        """Say how likely the brightness is about a pose, which stays where its edges lie."""
+        nearby = search.polished(one.pose)
+        return replace(one, brightness=max(search.share(one.pose), search.share(nearby)))
 
     def same(self, pose: RigidTransform, other: RigidTransform) -> bool:
         """Tell whether two poses are near each other, a symmetry of the target aside."""
