@@ -11,7 +11,7 @@ from pipelines.acquisition.light_likelihood import ToldLight
 from pipelines.tracking.edge_fit import EdgeFit
 from pipelines.tracking.pose_check import PoseCheck
 
-WITH_BRIGHTNESS = (36.0, 9.6, 0.65)  # weights of brightness, fitness and preference
+WITH_BRIGHTNESS = (52.0, 4.8, 0.38)  # weights of brightness, fitness and preference
 SIGMAS_OF_FITNESS = 20.0  # what a unit of it is worth beside what the light prefers
 
 
@@ -76,7 +76,7 @@ def score_of(fitness: float, preferred: float, brightness: float | None) -> floa
     """Return how a candidate stands among others: in sigmas, or as a log-likelihood.
 
     With its brightness it is the sum under which right poses are likeliest among the candidates of
-    LOOKED_AT images of training motions.
+    696 images of training motions.
 
     Parameters
     ----------
