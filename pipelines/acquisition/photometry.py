@@ -60,7 +60,13 @@ class ShownLight:
         return float(np.arcsinh(self.full_dn / self.knee_dn))
 
     def stretched(self, signal_dn: AnyArray) -> Radiance:
-        """Return signals, DN above the sky, as levels."""
+        """Return signals as levels, (rows, columns) float32.
+
+        Parameters
+        ----------
+        signal_dn : (rows, columns) array, DN
+            Above the sky.
+        """
         clipped = np.clip(signal_dn, 0.0, self.full_dn)
         return np.asarray(np.arcsinh(clipped / self.knee_dn), dtype=np.float32)
 

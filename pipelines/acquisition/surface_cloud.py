@@ -148,7 +148,7 @@ def kept_shadows(cloud: SurfaceCloud) -> tuple[Floats, Mask]:
 
 
 def sunlight_kept(cloud: SurfaceCloud, sun: Floats, point: Indices) -> Floats:
-    """Return ``sunlight`` of some points, with cast shadows as from the nearest direction kept.
+    """Return ``sunlight`` of some points, (k,), with cast shadows of the nearest direction kept.
 
     Parameters
     ----------

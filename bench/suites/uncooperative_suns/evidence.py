@@ -75,6 +75,11 @@ def evidence(task: EvidenceTask, frames: str) -> Outcome:
     Outcome
         ``pose`` (k, images, finalists, 3, 4) and ``fits`` (k, images, finalists, 6), the numbers of
         ``Noted``: NaN where there was no candidate. Seconds of one core, by start.
+
+    Raises
+    ------
+    DatasetError
+        If the Sun is not on board.
     """
     motion, place = task.motion, Path(frames)
     shown = done_outcome(place.parents[1], frames_unit(motion, place.parent.name)).values
