@@ -15,11 +15,14 @@ from pydantic import BaseModel
 
 from bench.cli import main
 from bench.new.case_text import case_text
+from bench.random_dataset.spec import read_spec
 from models.camera import Camera, camera_preset
 from models.dataset.estimates_file import read_estimates
+from models.spacecraft.own.build import read_own_target
 from pipelines.registry import pipeline_names
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
+from tests.support.own_meshes import textured_glb
 from tests.support.patience import HANGS_S
 
 HOUSE = Path(__file__).resolve().parents[3]
@@ -110,6 +113,31 @@ def test_nothing_is_written_over(here, kind, capsys):
 def test_a_name_that_is_none(here, name):
     assert main(["new", "case", "--", name] if name.startswith("-") else ["new", "case", name]) == 2
     assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["case", "camera", "target", "dataset"])
+def test_what_is_written_is_accepted_under_a_name_with_dashes(here, kind):
+    """A pipeline, by its own tests below, is called my-finder."""
+    name = "my-own-2"
+    if kind == "target":
+        textured_glb(here / f"{name}.glb")
+    assert main(["new", kind, name]) == 0
+    read = {
+        "case": read_scenario,
+        "camera": Camera.from_toml,
+        "target": read_own_target,
+        "dataset": read_spec,
+    }
+    assert read[kind](here / f"{name}.toml")
+
+
+@pytest.mark.parametrize(("kind", "most"), [("dataset", 32), ("case", 100)])
+def test_a_name_that_would_be_refused_later_is_refused_now(here, kind, most, capsys):
+    assert main(["new", kind, "n" * (most + 1)]) == 2
+    assert f"{most} at most" in capsys.readouterr().err
+    assert list(here.iterdir()) == []
+    assert main(["new", kind, "n" * most]) == 0
+    (read_spec if kind == "dataset" else read_scenario)(here / f"{'n' * most}.toml")
 
 
 # A pipeline in a package of its own
