@@ -50,7 +50,7 @@ def read(folder: Path, **changed: Any) -> Spec:
         ({"background": {"space": 0}}, "expected one of background.space, stars and earth above"),
         ({"camera": [{"name": "a"}, {"name": "A"}]}, r"each \[\[camera\]\] with a name of its own"),
         ({"target": [{"spacecraft": "xmm"}] * 2}, "with a spacecraft of its own, got 'xmm' 2"),
-        ({"camera": [{"name": "../up"}]}, r"camera\.0\.name of letters, digits, _, \. and - alone, 32"),
+        ({"camera": [{"name": "../up"}]}, r"camera\.0\.name of letters, digits, _, \. and - alone"),
         ({"name": "n" * 33}, "name of letters, .* alone, 32 at most"),
         ({"camera": [{"name": "a", "preset": "no"}]}, "no"),
         ({"camera": [{"name": "a", "width": 64, "height": 64}]}, "camera a: expected camera.fx"),
