@@ -180,7 +180,10 @@ def test_many_lost_frames_leave_room_for_others():
         (1234.5, "1234"),
         (0.0, "0"),
         (None, "–"),
-        (9.999e-8, "0"),
+        (9.999e-8, "1.00e−7"),
+        (-2.61e-6, "−2.61e−6"),
+        (1.00001e-5, "0.0000100"),
+        (5e-324, "4.94e−324"),
     ],
 )
 def test_numbers(value, text):
@@ -189,6 +192,7 @@ def test_numbers(value, text):
 
 def test_numbers_in_a_row():
     assert numbers([1.0, -2.0, 3.0], 2, signed=True) == ["+1.0", "−2.0", "+3.0"]
+    assert numbers([1e-6, -1e-6, 0.0], signed=True) == ["+1.00e−6", "−1.00e−6", "0"]
     assert numbers(None) == ["–", "–", "–"]
     assert share(0.98765) == "98.8 %"
     assert share(0.9997) == "99.97 %"  # not all of them
