@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Callable, Set
 
 from rich.console import Console
 
 from models.at_work import at_work
+from models.dataset.description import DatasetInfo
 from models.plain_console import plain_console
 from renders.batches.case_rendering import CaseRendering
 from renders.batches.render_progress import render_progress
@@ -15,7 +16,10 @@ from renders.world.sun_paths import told
 
 
 def render_case(
-    request: RenderRequest, console: Console | None = None, frames: Set[int] | None = None
+    request: RenderRequest,
+    console: Console | None = None,
+    frames: Set[int] | None = None,
+    check: Callable[[DatasetInfo], None] | None = None,
 ) -> None:
     """Render what a request asks for and is not there yet.
 
@@ -26,6 +30,8 @@ def render_case(
         For progress.
     frames : set of int, optional
         These alone, and what is made of all exposures is left to who has them all.
+    check : callable, optional
+        ``check(info)``: raises what speaks against the dataset, before anything is written.
 
     Raises
     ------
@@ -33,6 +39,8 @@ def render_case(
         Each says what to do; nothing already rendered is lost.
     """
     case = CaseRendering(request)
+    if check is not None:
+        check(case.info)
     case.begin()
     with at_work(request.out, "render"):
         _render(case, request, console, frames)
