@@ -15,9 +15,14 @@ from bench import api
 from bench.api_options import RenderOptions
 from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress, is_shared
 from models.errors import ScenarioError
+from models.lights.sun_names import SUN_NAMES
 from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
+SUN_HELP = (
+    f"where the Sun stands: {SUN_NAMES} (`rvbench list`), or a vector towards it in the target "
+    "frame; of a tumbling target a vector in the orbit's inertial frame"
+)
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -43,9 +48,9 @@ class Render:
     """name of a case (see `rvbench list`), or a scenario file"""
     out: Folder
     """folder of the dataset"""
-    sun: Annotated[str | None, arg(metavar="S1..S7|x,y,z", help_behavior_hint="")] = None
-    """where the Sun stands: a name, or a vector towards it in the target frame; of a tumbling
-    target a vector in the orbit's inertial frame"""
+    sun: Annotated[str | None, arg(metavar="NAME|x,y,z", help=SUN_HELP, help_behavior_hint="")] = (
+        None
+    )
     rate_hz: OptionalNumber = None
     """image pairs, or single images, a second"""
     span_s: Annotated[tuple[float, float] | None, arg(metavar="FROM TO", help_behavior_hint="")] = (
@@ -298,7 +303,7 @@ class Show:
 
 @dataclass(frozen=True)
 class List:
-    """List the cases, cameras, targets and Suns there are."""
+    """List the cases, cameras, targets, Suns and suites there are."""
 
     def run(self) -> int:
         """Print the lists."""

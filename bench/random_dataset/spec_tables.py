@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from models.lights.earth import ALBEDO, EARTH_RADIUS_KM, GEO_RADIUS_KM
+from models.spacecraft.catalogue import TARGETS
 from renders.scenario.camera_tables import (
     CameraTable,
     DetectorTable,
@@ -35,7 +36,7 @@ class TargetTable(Table):
     """One of the spacecraft that are shown, as often as any other."""
 
     spacecraft: Name = Field(
-        description="maxar1300, xmm or hispasat, or a .toml file of a spacecraft of your own"
+        description=f"{', '.join(TARGETS)}, or a .toml file of a spacecraft of your own"
     )
     range_m: RangesM | None = Field(
         None, description="nearest and farthest; pose.range_m where left out"

@@ -15,6 +15,7 @@ import pytest
 from bench import cli, verbs
 from bench.cli import main
 from bench.interrupts import told as told_of
+from models.lights.sun_names import SUN_NAMES
 from tests.support.bad_input import (
     Spoil,
     change_json,
@@ -131,6 +132,12 @@ def test_list(capsys):
     told = capsys.readouterr().out
     for name in ("maxar-demo", "maxar-approach", "chaser_fixed", "maxar1300", "S4"):
         assert name in told
+
+
+@pytest.mark.parametrize("verb", ["run", "render"])
+def test_help_tells_every_sun(verb, capsys):
+    assert main([verb, "--help"]) == 0
+    assert SUN_NAMES in " ".join(re.sub("[│]", " ", capsys.readouterr().out).split())
 
 
 def test_worse_than_asked_is_code_1(folder, capsys):
