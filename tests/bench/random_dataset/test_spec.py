@@ -2,11 +2,13 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import tomli_w
 
+from bench import api
 from bench.cli import main
 from bench.new.dataset_text import dataset_text
 from bench.random_dataset.folder import FOLDER
@@ -74,6 +76,18 @@ def test_what_is_no_specification_is_told(tmp_path: Path, text: str) -> None:
         read_spec(tmp_path / "spec.toml")
     with pytest.raises(ScenarioError, match="rvbench new dataset"):
         read_spec(tmp_path / "absent.toml")
+
+
+@pytest.mark.parametrize(
+    ("only", "told"),
+    [(("--only", "0", "4"), "without --only renders them"), ((), "same command renders them")],
+)
+def test_what_renders_the_frames_that_are_left_is_told(only, told, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(api, "dataset", lambda *_, **__: SimpleNamespace(left=55, folders=[]))
+    assert main(["dataset", "spec.toml", "--out", "out", *only]) == 0
+    assert f"left: 55 frames; the same command {told.removeprefix('same command ')}" in (
+        capsys.readouterr().out
+    )
 
 
 def test_names_with_dashes_lead_to_folders_that_are_found_again(tmp_path: Path) -> None:

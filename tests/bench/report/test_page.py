@@ -12,7 +12,7 @@ from bench.report.explorer.inlined import HERE as EXPLORER
 from bench.report.explorer.inlined import LIBRARIES
 from bench.report.filmstrip import MOST_FRAMES, chosen
 from bench.report.numbers import number, numbers, share
-from bench.report.pairs.tables import TERMS
+from bench.report.pairs.tables import TERMS, at_the_bound, headline_table
 from bench.report.time_plot import size_plots
 from models.errors import DatasetError
 from tests.support.synthetic_dataset import (
@@ -23,6 +23,8 @@ from tests.support.synthetic_dataset import (
 )
 
 LARGEST_BYTES = 6_000_000
+DRAWS = 20_000
+QUANTILES_WITHIN = 0.03  # of so many draws, four sigma of the widest
 REFERENCES = {"src", "href", "srcset", "data", "action", "poster", "background"}
 
 
@@ -131,6 +133,27 @@ def test_lost_frames_and_a_sun_of_no_paper(tmp_path):
     assert "2 missed" in page.text
     assert "best 2 0, 1 blinded by <the Sun>" in page.text
     assert "No paper reports this Sun" in page.text
+
+
+def test_frames_that_could_not_be_seen_are_told_beside_those_missed(tmp_path):
+    """Every frame stands in some row: with a pose, missed, or with too few markers to be seen."""
+    dataset = write_dataset(tmp_path / "data", frames=3, width_px=128)
+    write_variant(dataset, "best", lambda truth: lost_estimate(truth, "too few"))
+    score = api.score(dataset.folder)
+    own = score["pipelines"]["best"]
+    own["core"]["lost"]["missed"] = 1
+    rows = {row[0]: row[1] for row in headline_table(score).rows}
+    assert rows["without a pose"] == "3 (1 missed, 2 could not be seen)"
+    assert (rows["with a pose"], rows["missed"]) == ("0", "1")
+
+
+@pytest.mark.parametrize("poses", [1, 5, 40])
+def test_so_few_poses_leave_a_ratio_to_the_bound_to_chance(poses):
+    """Against draws: one number a pose, normal, over its own sigma."""
+    errors = np.random.default_rng(3).standard_normal((DRAWS, poses))
+    ratios = np.sqrt((errors**2).mean(axis=1))
+    drawn = np.quantile(ratios, (0.025, 0.975))
+    assert at_the_bound(poses) == pytest.approx(drawn, abs=QUANTILES_WITHIN)
 
 
 def test_one_frame_and_one_variant(tmp_path):
