@@ -68,7 +68,8 @@ class Suite:
     """a small version of everything, in minutes, to see it work"""
     runs: OptionalCount = None
     """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
-    opromolla2022 (100), or starts of each target of uncooperative-suns (500)"""
+    opromolla2022 (100), or starts of each target of uncooperative-suns (500), rounded up to whole
+    sets of Suns, four starts of a motion"""
     acquisitions: OptionalCount = None
     """acquisitions of each case (1000, of which the paper's table takes the first 100), or
     attitudes of vinag2018's star camera (1000)"""
