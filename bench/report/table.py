@@ -113,9 +113,12 @@ def core_cells(core: dict[str, Any]) -> list[str]:
 def without_pose(core: dict[str, Any]) -> str:
     """Tell of the frames of markers that have no pose which were missed and which not."""
     without, missed = core["frames"] - core["estimated"], core["lost"]["missed"]
-    if not without:
-        return count(0)
-    return f"{without} ({missed} missed, {without - missed} could not be seen)"
+    return f"{without} ({missed} missed, {unseen(core)} could not be seen)" if without else "0"
+
+
+def unseen(core: dict[str, Any]) -> str:
+    """Count the frames of markers that have no pose and were not missed."""
+    return count(core["frames"] - core["estimated"] - core["lost"]["missed"])
 
 
 def time_cells(core: dict[str, Any]) -> list[str]:

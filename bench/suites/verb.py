@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
-from rich import box
-from rich.table import Table
 from tyro.conf import Positional, arg
 
 from bench.runners.arguments import typed_arguments
@@ -146,9 +144,7 @@ class Suite:
 
 
 def _print_summary(rows: list[list[str]]) -> None:
-    table = Table(box=box.SIMPLE)
-    for place, title in enumerate(rows[0]):
-        table.add_column(title, justify="left" if place == 0 else "right")
-    for row in rows[1:]:
-        table.add_row(*row)
-    plain_console().print(table)
+    from bench.report.summary import print_table
+    from bench.report.table import Table
+
+    print_table(plain_console(), Table(rows[0], rows[1:], {}, {}), "")

@@ -16,15 +16,21 @@ from bench.report.table import (
     headline,
     time_cells,
     title_of,
-    without_pose,
+    unseen,
 )
 from bench.scoring.score import shown_labels
 from models.quantiles import chi_square_quantile
 
 Score = dict[str, Any]
 
+UNSEEN = [term.name for term in CORE_TERMS].index("missed") + 1
 TERMS = (
-    *CORE_TERMS,
+    *CORE_TERMS[:UNSEEN],
+    Term(
+        "could not be seen",
+        "Frames without a pose that were not missed: too few markers whole, lit and in the image.",
+    ),
+    *CORE_TERMS[UNSEEN:],
     Term(
         "position rms x, y, z",
         "Root mean square along the camera's axes: x right, y down, z along the boresight. A "
@@ -84,9 +90,6 @@ TERMS = (
 )
 
 
-WITHOUT_POSE = [term.name for term in CORE_TERMS].index("without a pose")
-
-
 def headline_table(score: Score) -> Table:
     """Compare the pipelines on the same pairs."""
     columns = {label: _column(score["pipelines"][label]) for label in shown_labels(score)}
@@ -99,7 +102,7 @@ def _column(own: dict[str, Any]) -> list[str]:
     efficiency, nees = parts["efficiency"], parts["nees"]
     bounds = [number(bound) for bound in nees["bounds"] or [None, None]]
     core = core_cells(own["core"])
-    core[WITHOUT_POSE] = without_pose(own["core"])
+    core.insert(UNSEEN, unseen(own["core"]))
     return [
         *core,
         _unit(_triple(axes["position_rms_mm"]), "mm"),

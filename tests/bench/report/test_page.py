@@ -1,11 +1,13 @@
 """The report holds what it must, opens offline, and knows what it has no number for."""
 
+import io
 import re
 import shutil
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from bench import api
 from bench.report.explorer.inlined import HERE as EXPLORER
@@ -13,6 +15,8 @@ from bench.report.explorer.inlined import LIBRARIES
 from bench.report.filmstrip import MOST_FRAMES, chosen
 from bench.report.numbers import number, numbers, share
 from bench.report.pairs.tables import TERMS, at_the_bound, headline_table
+from bench.report.summary import print_table
+from bench.report.table import Table, without_pose
 from bench.report.time_plot import size_plots
 from models.errors import DatasetError
 from tests.support.synthetic_dataset import (
@@ -143,8 +147,9 @@ def test_frames_that_could_not_be_seen_are_told_beside_those_missed(tmp_path):
     own = score["pipelines"]["best"]
     own["core"]["lost"]["missed"] = 1
     rows = {row[0]: row[1] for row in headline_table(score).rows}
-    assert rows["without a pose"] == "3 (1 missed, 2 could not be seen)"
-    assert (rows["with a pose"], rows["missed"]) == ("0", "1")
+    named = ("with a pose", "without a pose", "missed", "could not be seen")
+    assert [rows[name] for name in named] == ["0", "3", "1", "2"]
+    assert without_pose(own["core"]) == "3 (1 missed, 2 could not be seen)"
 
 
 @pytest.mark.parametrize("poses", [1, 5, 40])
@@ -233,3 +238,16 @@ def test_a_position_error_of_metres_is_plotted_in_metres(errors_mm, unit):
     in_mm = {"mm": 1.0, "m": 1e3}[unit]
     values = [None if each is None else each * in_mm for each in position.lines[0].values]
     assert values == pytest.approx(errors_mm)
+
+
+@pytest.mark.parametrize("width", [44, 60, 80, 200])
+def test_a_narrow_terminal_breaks_no_numbers_apart(width):
+    """What does not fit side by side comes below; every cell is whole, in one line."""
+    cells = ["0.00884, 0.00258, 0.0283 mm", "−0.0189 (−0.0566 to 0)", "0.174 mm"]
+    rows = [["position rms", *cells], ["NEES", *reversed(cells)]]
+    stream = io.StringIO()
+    print_table(Console(file=stream, width=width), Table(["", *"abc"], rows, {}, {}), "title")
+    told = stream.getvalue()
+    assert all(told.count(cell) == 2 for cell in cells)
+    assert max(map(len, told.splitlines())) <= width
+    assert told.count("position rms") == {44: 3, 60: 3, 80: 2, 200: 1}[width]
