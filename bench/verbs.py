@@ -13,7 +13,14 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import RenderOptions
-from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress, is_shared
+from bench.runners.options import (
+    ChunkText,
+    JobsOfFrames,
+    RunnerName,
+    Sbatch,
+    SchedulerAddress,
+    is_shared,
+)
 from models.errors import ScenarioError
 from models.lights.sun_names import SUN_NAMES
 from models.plain_console import plain_console
@@ -74,7 +81,7 @@ class Render:
     threads: OptionalCount = None
     """cores to use; all unless given"""
     runner: RunnerName = "local"
-    jobs: Jobs = None
+    jobs: JobsOfFrames = None
     sbatch: Sbatch = ()
     scheduler: SchedulerAddress = None
     chunk: ChunkText = None
@@ -284,15 +291,15 @@ class Show:
     variant: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     """whose estimates to draw; best's unless given, or of the first that has spoken"""
     out: OptionalFile = None
-    """the picture; else DIR/show/FRAME_NAME.png"""
+    """the picture; else DIR/show/FRAME_NAME.png, or FRAME.png where nothing was estimated"""
 
     def run(self) -> int:
         """Draw and write the picture."""
-        from bench.estimating.runs import PREFERRED, spoken_variant
+        from bench.estimating.runs import spoken_variant
         from bench.pictures.our_picture import check_picture_place
 
         variant = self.variant or spoken_variant(self.folder)
-        name = f"{self.frame:06d}_{variant or PREFERRED}.png"
+        name = f"{self.frame:06d}{f'_{variant}' if variant else ''}.png"
         out = self.out or self.folder / "show" / name
         if self.out is not None:
             check_picture_place(self.out)

@@ -22,8 +22,8 @@ from renders.store.claims import Claim, forget_claims_without_light, live_claims
 
 TITLES = ("case", "Sun", "dataset", "entries", "size", "its own", "last used")
 PLACE = TITLES.index("dataset")
-GAP = 3  # characters between columns
-LEAST_PATH = 16  # characters that are shown, however narrow the terminal
+GAP = 2  # characters between columns
+LEAST_PATH = 12  # characters that are shown, however narrow the terminal
 NOBODY = "of no dataset on record"
 
 
@@ -107,7 +107,7 @@ def holdings_table(rows: list[tuple[str, ...]], width: int) -> Table:
     width : int
         Characters.
     """
-    table = Table(box=box.SIMPLE, pad_edge=False)
+    table = Table(box=box.SIMPLE, pad_edge=False, collapse_padding=True)
     for name in TITLES:
         right = name in TITLES[3:]
         table.add_column(name, justify="right" if right else "left", no_wrap=True)

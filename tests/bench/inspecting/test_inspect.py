@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -12,7 +14,8 @@ import trimesh
 
 from bench.cli import main
 from bench.inspecting.inspection import inspect_file, start_name
-from bench.inspecting.start_text import target_text
+from bench.inspecting.start_text import start_text, target_text
+from models.errors import DatasetError
 from models.spacecraft.own.build import read_own_target
 from models.spacecraft.own.description import description_of
 from models.spacecraft.own.faults import guessed_unit
@@ -132,3 +135,20 @@ def test_a_unit_is_guessed_from_the_size(tmp_path: Path, scale: float, unit: str
     whole.apply_scale(1e-3 * scale)
     whole.export(mesh)
     assert guessed_unit(read_mesh_file(mesh)) == unit
+
+
+def test_what_rounding_leaves_of_a_zero_is_written_as_zero(tmp_path: Path) -> None:
+    """A box has no products of inertia; of its triangles some 1e-15 of them are left."""
+    trimesh.creation.box((2.0, 1.1, 0.7)).export(tmp_path / "plate.glb")
+    found = inspect_file(tmp_path / "plate.glb", tmp_path)
+    products = found.placed.inertia_kg_m2[~np.eye(3, dtype=bool)]
+    placed = replace(found.placed, inertia_kg_m2=found.placed.inertia_kg_m2 + 1e-14)
+    text = start_text(found.target.description, found.mesh, placed, "plate.toml", False)
+    assert np.abs(products).max() < 1e-9
+    assert "inertia_kg_m2 = [[" in text
+    assert not re.search(r"\de-", text)
+
+
+def test_a_missing_target_is_told_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(DatasetError, match=r"expected the TOML of a spacecraft.*rvbench inspect"):
+        read_own_target(tmp_path / "nosat.toml")
