@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -97,12 +98,12 @@ def print_holdings(folder: Path, console: Console) -> None:
     console.print(_total(folder, entries), soft_wrap=True)
 
 
-def holdings_table(rows: list[tuple[str, ...]], width: int) -> Table:
+def holdings_table(rows: Sequence[tuple[str, ...]], width: int) -> Table:
     """Return a table so wide at most; of a path too long for it the end is shown, which differs.
 
     Parameters
     ----------
-    rows : list of tuple of str
+    rows : sequence of tuple of str
         A cell for each of ``TITLES``.
     width : int
         Characters.
