@@ -2,11 +2,9 @@
 
 >>> from pathlib import Path
 >>> from bench import api
->>> score = api.run("maxar-demo", Path("out/demo"), sun="S4")  # doctest: +SKIP
->>> score["pipelines"]["best"]["core"]["position_error_mm"]["median"]  # doctest: +SKIP
+>>> api.run("maxar-demo", Path("out/demo"))["pipelines"]["best"]["core"]  # doctest: +SKIP
 
-Each loads what it needs when it is called: ``estimate`` knows no renderer and no truth, ``score``
-and ``report`` load no Mitsuba.
+Each loads what it needs when called: ``estimate`` no truth, ``score`` and ``report`` no Mitsuba.
 """
 
 from __future__ import annotations

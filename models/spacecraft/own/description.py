@@ -149,8 +149,8 @@ def read_lines_of(path: Path) -> tuple[str, ...]:
 
     Raises
     ------
-    DatasetError
-        If it is no regular file, too large, or no UTF-8.
+    UnreadableError
+        If it is not there, no regular file, too large, or no UTF-8.
     """
     try:
         return tuple(read_lines(path, MOST_TOML_BYTES))
