@@ -34,16 +34,33 @@ MOST_KILLS = 3
 HOWS = ("at a file", "at a file", "at an instant", "a worker")
 STORE = ("--store", "store")
 KILLED: dict[str, tuple[str, ...]] = {
-    "render": ("render", "cases/small.toml", "--out", "out", *STORE),
-    "run": ("run", "cases/small.toml", "--seeds", "2", "--out", "out", *STORE),
+    "render": ("render", "cases/lit.toml", "--out", "out", *STORE),
+    "run": ("run", "cases/lit.toml", "--seeds", "2", "--out", "out", *STORE),
     "sweep": (
-        "sweep", "cases/small.toml", "--suns", "S2", "S3", "--time-s", "200", "--width", "64",
-        "--out", "out", *STORE,
+        "sweep", "cases/lit.toml", "--suns", "S2", "S3", "--time-s", "1", "--width", "64",
+        "--threads", "2", "--out", "out", *STORE,
     ),
-    "dataset": ("dataset", "cases/spec.toml", "--workers", "2", "--out", "out"),
+    "dataset": ("dataset", "cases/drawn.toml", "--workers", "2", "--out", "out"),
     "export": ("export", "pairs/data", "--as", FORMAT, "--out", "out"),
     "suite": (*SUITE, "--workers", "2", "--out", "out"),
+    "estimate": ("estimate", "out"),
+    "fuse": ("fuse", "flight/hand/data", "flight/chaser/data", "--out", "out/fused.jsonl"),
+    "compare": (
+        "compare", "pairs/data", "pairs/said.bop.csv", "--vsd-px", "0", "--resamples", "100",
+        "--out", "out",
+    ),
+    "pairs": (
+        "run", "cases/small.toml", "--seeds", "2", "--threads", "2", "--out", "out", *STORE,
+    ),
+    "filters": (
+        "suite", "vinag2018", "--quick", "--parts", "leo", "--seeds", "1", "--duration-s", "60",
+        "--workers", "2", "--out", "out",
+    ),
 }  # fmt: skip
+"""By the name of the verb; ``pairs`` is a run of the house's markers, ``filters`` another suite."""
+COPIED = {"estimate": "pairs/data"}
+"""What a verb begins with in its folder, of the grounds, but for estimates and what is made of
+them."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +102,7 @@ class Kills:
             self.whole[verb] = self._undisturbed(verb)
         whole = self.whole[verb]
         random = np.random.default_rng([DRAW, list(KILLED).index(verb), seed])
-        place, killed = self._place(f"{verb}-{seed}"), 0
+        place, killed = self._place(verb, f"{verb}-{seed}"), 0
         for _ in range(int(random.integers(1, MOST_KILLS + 1))):
             how, share = HOWS[int(random.integers(len(HOWS)))], random.random()
             now, fault = self._struck(verb, place, how, share)
@@ -117,19 +134,22 @@ class Kills:
         return killed and heard.code != 0, fault_of(heard, *may_end)
 
     def _undisturbed(self, verb: str) -> Undisturbed:
-        place = self._place(verb)
+        place = self._place(verb, verb)
         began = time.monotonic()
         fault = fault_of(ended(start(KILLED[verb], place)), 0)
         assert not fault, fault
         files = sum(path.is_file() for path in (place / "out").rglob("*"))
         return Undisturbed(_made(place), time.monotonic() - began, files)
 
-    def _place(self, name: str) -> Path:
+    def _place(self, verb: str, name: str) -> Path:
         place = self.scratch / name
         shutil.rmtree(place, ignore_errors=True)
         place.mkdir(parents=True)
-        for ground in ("cases", "pairs"):
+        for ground in ("cases", "pairs", "flight"):
             (place / ground).symlink_to(self.grounds / ground)
+        if (copied := COPIED.get(verb)) is not None:
+            own = shutil.ignore_patterns("estimates", "score.json", "report.html")
+            shutil.copytree(self.grounds / copied, place / "out", ignore=own)
         return place
 
 
