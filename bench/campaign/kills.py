@@ -1,8 +1,9 @@
 """Verbs killed at random instants, again and again, then left to end: the bytes are the same.
 
 Half the kills come as a file is about to get its name, counted in files, so that a seed repeats
-them to the step. Others come at an instant of the clock, wherever the process then is, in a kernel
-or a library, its workers with it; and some hit one of its workers alone, of which it must tell.
+them to the step. Others come at an instant of the clock after the first file, wherever the process
+then is, in a kernel or a library, its workers with it; and some hit one of its workers alone, of
+which it must tell.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from bench.campaign.processes import (
     processor_s,
     start,
 )
+from models.errors import RvbenchError
 
 DRAW = 1815
 MOST_KILLS = 3
@@ -65,10 +67,21 @@ them."""
 
 @dataclass(frozen=True)
 class Undisturbed:
-    """A verb that nobody disturbed: what it wrote, in how long, in how many files."""
+    """A verb that nobody disturbed.
+
+    Attributes
+    ----------
+    made : dict of str to str
+        What it wrote.
+    first_s, last_s : float, s
+        From its start to its first file, and to its end.
+    files : int
+        How often the process that was started, none of its workers, gave a file its name.
+    """
 
     made: dict[str, str]
-    seconds: float
+    first_s: float
+    last_s: float
     files: int
 
 
@@ -125,7 +138,7 @@ class Kills:
             heard, killed, may_end = ended(process), True, (0, -9)
         else:
             process = start(KILLED[verb], place)
-            time.sleep(share * whole.seconds)
+            time.sleep(whole.first_s + share * (whole.last_s - whole.first_s))
             killed = how == "a worker" and kill_one_of(process, share)
             may_end = (0, 2) if killed else (0, -9)
             if not killed:
@@ -134,12 +147,14 @@ class Kills:
         return killed and heard.code != 0, fault_of(heard, *may_end)
 
     def _undisturbed(self, verb: str) -> Undisturbed:
-        place = self._place(verb, verb)
+        place, count = self._place(verb, verb), self.scratch / f"{verb}.instants"
         began = time.monotonic()
-        fault = fault_of(ended(start(KILLED[verb], place)), 0)
-        assert not fault, fault
-        files = sum(path.is_file() for path in (place / "out").rglob("*"))
-        return Undisturbed(_made(place), time.monotonic() - began, files)
+        fault = fault_of(ended(start(KILLED[verb], place, counted=count)), 0)
+        ended_s = time.monotonic() - began
+        if fault:
+            raise RvbenchError(f"expected {verb} to end well where nobody disturbs it: {fault}")
+        instants = [float(line) - began for line in count.read_text().splitlines()]
+        return Undisturbed(_made(place), instants[0], ended_s, len(instants))
 
     def _place(self, verb: str, name: str) -> Path:
         place = self.scratch / name

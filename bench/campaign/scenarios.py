@@ -114,8 +114,8 @@ file = "arm.toml"
 samples = 2
 max_depth = 2
 """
-HAND = ARMED.replace('"armed"', '"hand"').replace("width = 64", "width = 256")
-CHASER = HAND.replace('"hand"', '"chaser"').replace("[arm]", '[arm]\ncamera = "chaser"')
+CHASER = ARMED.replace('"armed"', '"chaser"').replace("width = 64", "width = 256")
+HAND = CHASER.replace('"chaser"', '"hand"').replace("[arm]", '[arm]\ncamera = "hand"')
 PROBE = """
 name = "probe"
 mesh = "probe.stl"
