@@ -114,8 +114,45 @@ file = "arm.toml"
 samples = 2
 max_depth = 2
 """
-CHASER = ARMED.replace('"armed"', '"chaser"').replace("width = 64", "width = 256")
-HAND = CHASER.replace('"chaser"', '"hand"').replace("[arm]", '[arm]\ncamera = "hand"')
+FLIGHT = """
+name = "chaser"
+[camera]
+width = 512
+[motion]
+start_s = 284.0
+end_s = 294.0
+rate_hz = 0.1
+[arm]
+camera = "chaser"
+[render]
+samples = 4
+max_depth = 2
+"""
+HAND = """
+name = "hand"
+target = "maxar1300_grasp"
+[frame]
+kind = "colour"
+[camera]
+preset = "eye_in_hand"
+width = 512
+[motion]
+ring_in_target_m = [0.0, -0.83, 0.0]
+start_s = 284.0
+end_s = 294.0
+rate_hz = 0.1
+[arm]
+camera = "hand"
+grasp_in_target_m = [0.0, 0.0, 0.0]
+[exposure]
+mode = "fixed"
+exposure_ms = 3.0
+[prior]
+by = "arm"
+[render]
+samples = 4
+max_depth = 2
+"""
 PROBE = """
 name = "probe"
 mesh = "probe.stl"
@@ -252,7 +289,7 @@ def write_cases(folder: Path) -> None:
         "own.toml": OWN,
         "lit.toml": LIT,
         "hand.toml": HAND,
-        "chaser.toml": CHASER,
+        "chaser.toml": FLIGHT,
         "drawn.toml": DRAWN,
         "armed.toml": ARMED,
         "urdf.toml": ARMED.replace("arm.toml", "arm.urdf"),
