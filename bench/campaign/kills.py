@@ -148,7 +148,7 @@ class Kills:
         return heard.code != 0, fault_of(heard, *may_end)
 
     def _undisturbed(self, verb: str) -> Undisturbed:
-        """Return what a verb does undisturbed; it is kept beside the grounds, by the code's hash."""
+        """Return what a verb does undisturbed; kept beside the grounds, by the code's hash."""
         kept, code = self.grounds / "undisturbed" / f"{verb}.json", code_of_the_house()
         if kept.is_file() and (told := json.loads(kept.read_text()))["code"] == code:
             return Undisturbed(**told["whole"])
