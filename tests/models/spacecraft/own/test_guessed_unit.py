@@ -14,10 +14,10 @@ from models.spacecraft.own.faults import guessed_unit
 @pytest.mark.parametrize(
     ("largest", "unit"),
     [
-        (0.31, "m"),  # of the smallest that are thought likely in metres
+        (0.06, "m"),  # a picosatellite
         (12.0, "m"),
         (59.0, "m"),  # the largest
-        (0.29, "m"),  # no picosatellite in millimetres: metres are what is left
+        (0.04, "m"),  # nothing fits
         (61.0, "mm"),  # a cubesat in millimetres before a giant in metres
         (2500.0, "mm"),
         (109_000.0, "mm"),  # a station
