@@ -117,7 +117,16 @@ def hear(typed: list[str], place: Path) -> Heard:
 
 
 def typed_of(kind: Kind, spoilt: str, number: int) -> list[str]:
-    """Return one of a kind's command lines, with the file that is spoilt in its place."""
+    """Return one of a kind's command lines, with the file that is spoilt in its place.
+
+    Parameters
+    ----------
+    kind : Kind
+    spoilt : str
+        From the folder of the trial.
+    number : int
+        Of the command.
+    """
     name = Path(spoilt).name
     words = {"file": spoilt, "name": name, "time_s": TIMES_S.get(name, "0")}
     return [each.format(**words) for each in kind.commands[number]]
