@@ -47,7 +47,7 @@ KINDS: tuple[Kind, ...] = (
     Kind(
         "scenario", "cases", ("small.toml", "turning.toml", "own.toml", "armed.toml"),
         (("render", "cases/{name}", *RENDER), ("run", "cases/{name}", *RENDER),
-         ("sweep", "cases/{name}", "--time-s", "{time_s}", *RENDER)),
+         ("sweep", "cases/{name}", "--time-s", "{time_s}", "--suns", "S2", *RENDER)),
         needed=True, share=3.0,
     ),
     Kind(
