@@ -47,14 +47,14 @@ from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import solve_match
-from pipelines.pnp.told_errors import CAMERA_STEPS, place_covariance_px2, with_common_errors
+from pipelines.pnp.told_errors import CALIBRATION, place_covariance_px2, with_common_errors
 
 __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 
 COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
 COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
 MOST_GROWTH = 4.0
-CALIBRATION = frozenset(f"camera.{key}" for key in CAMERA_STEPS)
+OF_CALIBRATION = frozenset(f"camera.{key}" for key in CALIBRATION)
 FARTHEST_M = 1e6  # beyond it no marker is a pixel, in any camera
 
 
@@ -263,7 +263,7 @@ class ChaserFixed:
 
         The pose of the next frame errs by it alike: what predicts that frame does without.
         """
-        calibration = {k: sigma for k, sigma in self._sigmas.items() if k in CALIBRATION}
+        calibration = {k: sigma for k, sigma in self._sigmas.items() if k in OF_CALIBRATION}
         if not calibration or self._options.centroiding == "weighted_blob":
             return solution.covariance
         kept = solution.match.kept(solution.used)
