@@ -11,7 +11,7 @@ Source: Opromolla, Vela, Nocerino and Lombardi 2022, Remote Sensing 14(18), 4483
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,14 +47,13 @@ from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import solve_match
-from pipelines.pnp.told_errors import CALIBRATION, place_covariance_px2, with_common_errors
+from pipelines.pnp.told_errors import calibration_errors_px, place_covariance_px2
 
 __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 
 COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
 COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
 MOST_GROWTH = 4.0
-OF_CALIBRATION = frozenset(f"camera.{key}" for key in CALIBRATION)
 FARTHEST_M = 1e6  # beyond it no marker is a pixel, in any camera
 
 
@@ -130,12 +129,12 @@ class ChaserFixed:
         solution = sighting.outcome
         if self._options.centroiding != "weighted_blob":
             solution = self._refined(pair, frame.time_s, solution, predicted)
-        self._motion.found(frame.time_s, solution.pose, solution.covariance)
-        stated = self._stated_covariance(solution)
+        # The pose of the next frame errs alike by the calibration: what predicts it does without.
+        self._motion.found(frame.time_s, solution.pose, solution.scatter)
         return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            pose=PoseEstimate(solution.pose, stated, solution.residual_rms_px),
+            pose=PoseEstimate(solution.pose, solution.covariance, solution.residual_rms_px),
             detections=self._detections(sighting, solution),
         )
 
@@ -211,6 +210,10 @@ class ChaserFixed:
     def _solved(
         self, match: Match, start: RigidTransform, radius_px: float, predicted: PredictedPose
     ) -> Solution | str:
+        if self._options.centroiding != "weighted_blob":
+            ideal = self._camera.normalise(match.points_px)
+            shared = calibration_errors_px(self._camera, ideal, self._sigmas)
+            match = replace(match, common_px=shared)
         return solve_match(
             self._camera, self._markers, match, start, radius_px, self._options, predicted
         )
@@ -257,20 +260,6 @@ class ChaserFixed:
         points = self._markers.points_in_target[match.marker]
         wider = place_covariance_px2(self._camera, points, pose, self._sigmas)
         return Match(match.points_px, match.covariance_px2 + wider, match.marker)
-
-    def _stated_covariance(self, solution: Solution) -> Floats:
-        """Add what the camera's calibration does to all points together.
-
-        The pose of the next frame errs by it alike: what predicts that frame does without.
-        """
-        calibration = {k: sigma for k, sigma in self._sigmas.items() if k in OF_CALIBRATION}
-        if not calibration or self._options.centroiding == "weighted_blob":
-            return solution.covariance
-        kept = solution.match.kept(solution.used)
-        points = self._markers.points_in_target[kept.marker]
-        return with_common_errors(
-            self._camera, points, solution.pose, kept.covariance_px2, calibration
-        )
 
     # What to say.
 

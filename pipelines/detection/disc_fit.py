@@ -22,7 +22,6 @@ from pipelines.detection.disc_window import DiscWindow, cut_window
 
 ITERATIONS = 12
 CONVERGED_PX = 1e-4
-CONVERGED_SIGMAS = 0.1  # of the centre, as far as the fit explains the pixels; the next step is less
 WORSE = 1.0 + 1e-6  # growth of the cost that is not rounding
 LONGEST_STEP_PX = 1.0
 SIZE_TOLERANCE = 0.05  # 1-sigma of the predicted radius, relative
@@ -247,12 +246,6 @@ class _Problem:
         influence = covariance[:2] @ weighted
         return _Accepted(parameters, step, weight, look.residual, influence, covariance, total)
 
-    def centre_sigma_px(self, last: _Accepted) -> float:
-        """Return the centre's 1-sigma on its better axis, by what is left of the pixels."""
-        pixels = max(np.count_nonzero(self.window.usable), 1)
-        scatter = max(last.total / pixels, 1.0)
-        return float(np.sqrt(scatter * max(np.diag(last.covariance)[:2].min(), 0.0)))
-
     def summary(self, last: _Accepted) -> DiscFit | None:
         """Say how good a fit is; None if it is none."""
         noise = last.covariance[:2, :2]
@@ -346,7 +339,7 @@ def fit_appearance(
         if accepted is None or np.abs(parameters.centre_px).max() > furthest:
             return None
         length = float(np.hypot(accepted.step[0], accepted.step[1]))
-        if length < max(CONVERGED_PX, CONVERGED_SIGMAS * problem.centre_sigma_px(accepted)):
+        if length < CONVERGED_PX:
             break
         shorten = min(1.0, LONGEST_STEP_PX / length)
         parameters = parameters.moved(shorten * accepted.step)

@@ -43,9 +43,10 @@ def common_covariance_px2(
     count = len(points_in_target)
     in_cam = pose @ points_in_target
     common = np.zeros((2 * count, 2 * count))
-    for key, slope in calibration_slopes(camera, in_cam).items():
-        moved = sigmas.get(f"camera.{key}", 0.0) * slope.reshape(-1)
-        common += np.outer(moved, moved)
+    shared = calibration_errors_px(camera, in_cam[:, :2] / in_cam[:, 2:], sigmas)
+    if shared is not None:
+        moved = shared.reshape(2 * count, -1)
+        common += moved @ moved.T
     for index, own in enumerate(place_covariance_px2(camera, points_in_target, pose, sigmas)):
         rows = slice(2 * index, 2 * index + 2)
         common[rows, rows] += own
@@ -68,18 +69,32 @@ def place_covariance_px2(
     return np.asarray(sigmas.get(PLACE, 0.0) ** 2 * by_place @ by_place.transpose(0, 2, 1))
 
 
-def calibration_slopes(camera: Camera, points_in_cam: Floats) -> dict[str, Floats]:
-    """Return how projections move with each number of a calibration, by its key, (n, 2) each.
+def calibration_errors_px(
+    camera: Camera, ideal: Floats, sigmas: Mapping[str, float]
+) -> Floats | None:
+    """Return what one sigma of each number of a calibration does to points, (n, 2, k) px.
 
-    A projection is linear in each of them (Brown 1966, in OpenCV's order).
+    None where nothing of it is told to be uncertain.
 
     Parameters
     ----------
     camera : Camera
-    points_in_cam : (n, 3) array, m
-        In front of the camera.
+    ideal : (n, 2) array
+        Undistorted normalised coordinates.
+    sigmas : mapping of str to float
+        As on board: ``camera.fx`` and so on.
     """
-    ideal = points_in_cam[:, :2] / points_in_cam[:, 2:]
+    told = {key: sigmas.get(f"camera.{key}", 0.0) for key in CALIBRATION}
+    slopes = _calibration_slopes(camera, ideal)
+    shared = [sigma * slopes[key] for key, sigma in told.items() if sigma > 0.0]
+    return np.stack(shared, axis=-1) if shared else None
+
+
+def _calibration_slopes(camera: Camera, ideal: Floats) -> dict[str, Floats]:
+    """Return how points move with each number of a calibration, by its key, (n, 2) each.
+
+    They are linear in each of them (Brown 1966, in OpenCV's order).
+    """
     focal = np.array([camera.fx, camera.fy])
     x, y = ideal.T
     square = (ideal * ideal).sum(axis=1, keepdims=True)
