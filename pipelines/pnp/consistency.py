@@ -41,13 +41,11 @@ def deletion_gains(
     """
     residuals = problem.residuals(pose.rotation, pose.translation).reshape(-1)
     basis, _ = np.linalg.qr(problem.jacobian(pose.rotation, pose.translation))
-    shifts = problem.decorrelating
+    errors = problem.decorrelating
     gains = {}
     for chosen in combinations(range(len(problem)), together):
         rows = [2 * index + axis for index in chosen for axis in (0, 1)]
-        ways = np.eye(len(residuals))[rows].T
-        if problem.common is not None:
-            ways, _ = np.linalg.qr(shifts[:, rows])
+        ways, _ = np.linalg.qr(errors[:, rows])
         fitted = basis.T @ ways
         values, vectors = np.linalg.eigh(np.eye(len(rows)) - fitted.T @ fitted)
         turned = vectors.T @ (ways.T @ residuals)

@@ -115,13 +115,6 @@ class PnpProblem:
         root = np.linalg.cholesky(np.eye(count) + shared @ shared.T)
         return np.asarray(np.linalg.inv(root))
 
-    @property
-    def whole_whitening(self) -> Floats:
-        """(2n, 2n) array: ``W`` of all observations together."""
-        count = len(self)
-        blocks = self.decorrelating.reshape(2 * count, count, 2)
-        return np.asarray(np.einsum("anj,njk->ank", blocks, self.whitening).reshape(2 * count, -1))
-
     def residuals(self, rotation: Floats, translation: Floats) -> Floats:
         """Return whitened observed minus predicted, (n, 2); NaN behind the camera."""
         predicted = project_normalised(rotation, translation, self.points_in_target)
