@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arrays import Floats, Indices
+from models.arrays import Floats, Indices, Mask
 from models.errors import DatasetError
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
@@ -36,6 +36,7 @@ from pipelines.detection.marker_search import (
     search,
     within_gate,
 )
+from pipelines.pnp.chance_match import MOST_FALSE_ALARMS, false_alarms
 from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.pnp.hypotheses import FAR_CHI2, propose_match
 from pipelines.pnp.identification import (
@@ -190,10 +191,11 @@ class ChaserFixed:
         cost = pair_costs(points, markers, sigma)
         near = within_gate(points, markers, self._gate_px(predicted))
         allowed = near | (cost < self._options.region_sigmas**2)
+        searched_px = float(sum(region.pixels for region in regions))
         matched = one_to_one(cost, allowed)
         match = self._match(candidates, matched, sigma)
         outcome = self._solved(match, predicted.pose, radius, predicted)
-        outcome = self._plausible(outcome, predicted)
+        outcome = self._plausible(outcome, predicted, markers, candidates, allowed, searched_px)
         if isinstance(outcome, str) and self._options.verify and len(candidates) >= 4:
             proposed = propose_match(
                 self._camera, self._markers, points, allowed, predicted, max(3.0, 0.5 * radius)
@@ -202,7 +204,9 @@ class ChaserFixed:
                 pose, voted = proposed
                 match = self._match(candidates, voted, sigma)
                 outcome = self._solved(match, pose, radius, predicted)
-                outcome = self._plausible(outcome, predicted)
+                outcome = self._plausible(
+                    outcome, predicted, markers, candidates, allowed, searched_px
+                )
         return _Sighting(candidates, outcome)
 
     # From matches to a pose.
@@ -218,13 +222,38 @@ class ChaserFixed:
             self._camera, self._markers, match, start, radius_px, self._options, predicted
         )
 
-    def _plausible(self, outcome: Solution | str, predicted: PredictedPose) -> Solution | str:
-        """Refuse a pose far from the prediction that has next to no match to spare."""
-        if isinstance(outcome, str) or outcome.used.sum() > self._options.min_markers:
+    def _plausible(
+        self,
+        outcome: Solution | str,
+        predicted: PredictedPose,
+        markers: PredictedMarkers,
+        candidates: Candidates,
+        allowed: Mask,
+        searched_px: float,
+    ) -> Solution | str:
+        """Refuse a pose that chance could have made, or far off with next to no match to spare."""
+        if isinstance(outcome, str) or not self._options.verify:
             return outcome
-        if not self._options.verify or predicted.squared_distance(outcome.pose) < FAR_CHI2:
+        agreeing = int(outcome.used.sum())
+        reach_px = self._options.outlier_sigmas * self._coarse_sigma_px(markers.radius_px)
+        expected = false_alarms(
+            agreeing,
+            int(markers.outlines.facing.sum()),
+            int(allowed.sum()) - agreeing,
+            len(candidates) - agreeing,
+            searched_px,
+            reach_px,
+        )
+        if expected > MOST_FALSE_ALARMS:
+            return (
+                f"{agreeing} of {len(candidates)} candidates agree with a pose, as chance could "
+                "have it where so little is foreseen"
+            )
+        if agreeing > self._options.min_markers:
             return outcome
-        return f"{int(outcome.used.sum())} matched markers give a pose far from the predicted one"
+        if predicted.squared_distance(outcome.pose) < FAR_CHI2:
+            return outcome
+        return f"{agreeing} matched markers give a pose far from the predicted one"
 
     def _refined(
         self, pair: ImagePair, time_s: float, coarse: Solution, predicted: PredictedPose

@@ -18,7 +18,7 @@ ALLOWED_OVER_PAPER = 1.02
 STANDARD_ERRORS = 3.0
 OVER_EXACT = 1.1
 INSIDE = 0.95
-RATIO, MEAN, STD = "rms over paper's, upper end", "mean, in its standard errors", "std, cm and deg"
+RATIO, MEAN, STD = "rms over paper's", "mean, in its errors", "std, cm and deg"
 LOST, KEPT, WRONG = "frames lost", "frames lost that paper keeps", "wrong poses"
 HONEST, CENTROIDS = "frames with NEES inside", "std of centroids, px"
 

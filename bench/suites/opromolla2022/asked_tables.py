@@ -22,7 +22,7 @@ from bench.suites.opromolla2022.asked import (
 from bench.suites.opromolla2022.results import FlownSequence, Results
 from bench.suites.opromolla2022.summaries import PARAMETERS
 
-VERDICTS = {True: "holds", False: "does not hold", None: "nothing to judge"}
+VERDICTS = {True: "holds", False: "does not hold", None: "not judged"}
 BY_PARAMETER = (RATIO, MEAN, STD)
 TERMS = {
     RATIO: "Where the rms of best over that of paper ends, 95 times in 100, by a paired bootstrap: "
@@ -127,4 +127,4 @@ def _held(figure: Figure, line: str = "") -> str:
         relation = "≥" if figure.holds else "<"
         return f"{share(figure.found)} {relation} {share(figure.limit)}"
     relation = "≤" if figure.holds else ">"
-    return f"{number(figure.found)} {relation} {number(figure.limit)}"
+    return f"{number(figure.found)} {relation} {figure.limit:.3g}"
