@@ -26,7 +26,7 @@ from pipelines.detection.area_opening import expected_radius_px
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.disc_fit import ExpectedBlur
 from pipelines.detection.global_threshold import detect_by_global_threshold
-from pipelines.detection.image_difference import Region, swapped
+from pipelines.detection.image_difference import Region, shines_swapped, swapped
 from pipelines.detection.image_pair import ImagePair, image_pair
 from pipelines.detection.marker_search import (
     PredictedMarkers,
@@ -329,6 +329,8 @@ class ChaserFixed:
 
     def _explained(self, pair: ImagePair, predicted: PredictedPose, reason: str) -> str:
         """Say so if the pair makes sense the other way round."""
+        if not shines_swapped(pair):
+            return reason
         if not isinstance(self._look(swapped(pair), predicted).outcome, str):
             return (
                 "the markers shine in the 800 nm image, not in the 850 nm one: "
