@@ -44,11 +44,17 @@ from pipelines.pnp.identification import (
     nearest_neighbour,
     one_to_one,
 )
+from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
+from pipelines.pnp.problem import PnpProblem
 from pipelines.pnp.robust_pose import solve_match
-from pipelines.pnp.told_errors import calibration_errors_px, place_covariance_px2
+from pipelines.pnp.told_errors import (
+    calibration_errors_px,
+    place_covariance_px2,
+    with_common_errors,
+)
 
 __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 
@@ -91,6 +97,7 @@ class ChaserFixed:
         self._markers = knowledge.markers
         self._options = options
         self._sigmas = dict(sigmas or {})
+        self._calibration = {k: each for k, each in self._sigmas.items() if k.startswith("camera.")}
         self._motion = MotionPrediction(knowledge, options)
         self._focal_px = 0.5 * (knowledge.camera.fx + knowledge.camera.fy)
         self._blur = ExpectedBlur(
@@ -130,6 +137,8 @@ class ChaserFixed:
         solution = sighting.outcome
         if self._options.centroiding != "weighted_blob":
             solution = self._refined(pair, frame.time_s, solution, predicted)
+        if self._options.calibration == "stated":
+            solution = self._by_own_noise(solution)
         # The pose of the next frame errs alike by the calibration: what predicts it does without.
         self._motion.found(frame.time_s, solution.pose, solution.scatter)
         return Estimate(
@@ -214,7 +223,7 @@ class ChaserFixed:
     def _solved(
         self, match: Match, start: RigidTransform, radius_px: float, predicted: PredictedPose
     ) -> Solution | str:
-        if self._options.centroiding != "weighted_blob":
+        if self._options.calibration != "unknown":
             ideal = self._camera.normalise(match.points_px)
             shared = calibration_errors_px(self._camera, ideal, self._sigmas)
             match = replace(match, common_px=shared)
@@ -283,6 +292,18 @@ class ChaserFixed:
             fitted.crosstalk,
         )
         return refined
+
+    def _by_own_noise(self, solution: Solution) -> Solution:
+        """Solve again without what the calibration may be wrong by, which is only stated."""
+        kept = solution.match.kept(solution.used)
+        points = self._markers.points_in_target[kept.marker]
+        problem = PnpProblem.weighted(self._camera, points, kept.points_px, kept.covariance_px2)
+        pose = solve_pose(problem, solution.pose, self._options.solver).pose
+        stated, scatter = (
+            with_common_errors(self._camera, points, pose, kept.covariance_px2, told)
+            for told in (self._calibration, {})
+        )
+        return replace(solution, pose=pose, covariance=stated, scatter=scatter)
 
     def _as_surveyed(self, match: Match, pose: RigidTransform) -> Match:
         """Widen each point's covariance by what its marker's survey may be wrong by."""

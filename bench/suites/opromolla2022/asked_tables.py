@@ -127,4 +127,6 @@ def _held(figure: Figure, line: str = "") -> str:
         relation = "≥" if figure.holds else "<"
         return f"{share(figure.found)} {relation} {share(figure.limit)}"
     relation = "≤" if figure.holds else ">"
-    return f"{number(figure.found)} {relation} {figure.limit:.3g}"
+    limit = f"{figure.limit:.3g}"
+    close = number(figure.found) in (limit, number(figure.limit))
+    return f"{number(figure.found, 5 if close else 3)} {relation} {limit}"

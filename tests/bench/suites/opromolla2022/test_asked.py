@@ -156,6 +156,8 @@ def test_the_tables_have_every_line_with_its_figure_and_limit() -> None:
     results = Results((hand,), (), {"S7": (under,)})
     of_parameters = parameters_asked(results)
     assert len(of_parameters.rows) == 3 + 1
+    near = Results((flown(outcome(np.random.default_rng(8), 1.0202)),), (), {})
+    assert parameters_asked(near).rows[0][1] == "1.0202 > 1.02"
     assert of_parameters.rows[0] == [RATIO, *["1.05 > 1.02"] * 6, "does not hold"]
     counted = {tuple(row[:2]): row[2:] for row in counts_asked(results).rows}
     assert counted[LOST, "E-SB"] == ["0 ≤ 0", "holds"]
