@@ -28,6 +28,7 @@ from pipelines.unknown_target.batch_solution import BatchSolution
 from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
 from pipelines.unknown_target.facet_in_sight import facet_in_sight
 from pipelines.unknown_target.free_tumble import FreeTumble
+from pipelines.unknown_target.hull_planes import HullPlanes
 from pipelines.unknown_target.observation_rows import (
     Epochs,
     Placed,
@@ -37,8 +38,9 @@ from pipelines.unknown_target.observation_rows import (
 )
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
+from pipelines.unknown_target.outline_rows import Outlines, outline_rows, pairs_of
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
-from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
+from pipelines.unknown_target.range_rows import point_sigmas_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
 from pipelines.unknown_target.silhouettes import Silhouettes
 from pipelines.unknown_target.start_guess import StartGuess
@@ -81,7 +83,8 @@ class BatchEstimator:
         self._equations = self._prior.equations(self._at)
         self._solved = self._equations.solve()
         self._sightings, self._ranges = Sightings.none(), Ranges.none()
-        self._silhouettes = Silhouettes(camera)
+        self._silhouettes, self._outlines = Silhouettes(camera), Outlines(camera)
+        self._pairs = np.zeros((0, 2), dtype=np.int64)
         self._frozen: tuple[ArrowEquations, Unknowns] | None = None
         self._epochs: Epochs | None = None
         self._start_s, self._linearised_at = 0.0, 0
@@ -93,6 +96,8 @@ class BatchEstimator:
         self._note(frame)
         if frame.covered is not None and self._options.range_to == "hull":
             self._silhouettes.add(len(self._known_epochs.times_s) - 1, frame.covered)
+        if frame.covered is not None:
+            self._outlines.add(len(self._known_epochs.times_s) - 1, frame.covered)
         epochs, number = self._known_epochs, len(self._known_epochs.times_s) - 1
         if epochs.times_s[-1] > self._tumble.until_s:
             self._linearise()
@@ -104,6 +109,7 @@ class BatchEstimator:
         self._sightings = self._sightings.followed_by(known)
         if frame.range_m is not None and frame.range_sigma_m is not None:
             self._take_range(number, frame.range_m, frame.range_sigma_m, known)
+        self._take_outline(number)
         self._solved = self._equations.solve()
         count, options = number + 1, self._options
         if (
@@ -167,7 +173,8 @@ class BatchEstimator:
         sizes = surprise(rows, self._solved)
         young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
         spread = robust_weights.spread(sizes, 2) if young else 1.0
-        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+        weights = robust_weights.weights(sizes, self._options.gate_sigmas * spread)
+        self._add(rows, weights / self._options.alike_sightings)
 
     def _bend(self, known: Sightings) -> float:
         """Return how wrong the lines are by now: the square of what the last image misses them by.
@@ -211,7 +218,8 @@ class BatchEstimator:
             )
             sizes = rows.sizes
             gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
-            self._add(rows, robust_weights.weights(sizes, gate))
+            weights = robust_weights.weights(sizes, gate)
+            self._add(rows, weights / self._options.alike_sightings)
             self._sightings = self._sightings.followed_by(born)
             self._solved = self._equations.solve()
 
@@ -228,20 +236,36 @@ class BatchEstimator:
 
     def _take_range(self, number: int, range_m: float, sigma_m: float, known: Sightings) -> None:
         facet = facet_in_sight(known.seen, known.who)
-        share = self._shares(np.array([number]))[0] if self._hull_known else np.nan
-        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet, share)
+        plane = self._planes(np.array([number])) if self._hull_known else HullPlanes.none(1)
+        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet, plane)
         if not len(self._at.points):
             return
-        where, frame = self._placed(np.array([number]))
-        one = replace(self._ranges.take(slice(-1, None)), frame=frame)
+        where, place = self._placed(np.array([number, max(int(plane.view[0]), 0)]))
+        plane = replace(plane, view=np.where(plane.known, place[1:], plane.view))
+        one = replace(self._ranges.take(slice(-1, None)), frame=place[:1], planes=plane)
         rows = self._range_rows(where, one, self._at)
         weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
         self._add(rows, weights / self._options.alike_ranges)
 
+    def _take_outline(self, number: int) -> None:
+        """Add the rows of the last frame's outline with those of earlier ones."""
+        outlines = self._outlines
+        if not len(outlines) or outlines.frames[-1] != number or not len(self._at.points):
+            return
+        where, _ = self._placed(np.array(outlines.frames))
+        pairs = pairs_of(where)
+        rows = self._outline_rows(where, pairs[pairs[:, 1] == len(outlines) - 1])
+        weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
+        self._add(rows, weights / self._options.alike_outlines)
+
+    def _outline_rows(self, where: Placed, pairs: Indices) -> Rows:
+        sigma_rad = self._options.outline_px / self._camera.fx
+        return outline_rows(where, self._outlines, pairs, sigma_rad)
+
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
         live = self._tracks.live
-        spread_m = hull_sigma_m(self._solved, live, self._prior)
-        return range_rows(where, ranges, at, live, spread_m, self._options, 1.0 / self._camera.fx)
+        sigma_m = point_sigmas_m(self._solved, len(live), self._prior)
+        return range_rows(where, ranges, at, live, sigma_m, self._options, 1.0 / self._camera.fx)
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)
@@ -268,7 +292,7 @@ class BatchEstimator:
         self._equations = self._summed(best.at, best.rows, weights)
         self._solved = self._equations.solve()
         self._linearised_at = count
-        self._give_up(weights[0])
+        self._give_up(weights[0] * self._options.alike_sightings)
         self._freeze(best.rows, weights)
 
     def _by_hull(self, best: Descent) -> Descent:
@@ -276,19 +300,19 @@ class BatchEstimator:
         for _ in range(CARVINGS):
             where = placed(best.at, best.tumble, self._known_epochs)
             points = best.at.points[self._tracks.live]
-            share = self._silhouettes.shares(where, self._ranges.frame, points)
-            self._ranges = replace(self._ranges, share=share)
-            self._hull_known = bool(np.isfinite(share).any())
+            planes = self._silhouettes.planes(where, self._ranges.frame, points)
+            self._ranges = replace(self._ranges, planes=planes)
+            self._hull_known = bool(planes.known.any())
             if not self._hull_known:
                 break
             best = self._descended(best.at)
         return best
 
-    def _shares(self, frames: Indices) -> Floats:
-        """Return at which share of the distance the beams of some frames enter the hull."""
+    def _planes(self, frames: Indices) -> HullPlanes:
+        """Return the outlines' planes at which the beams of some frames enter the hull."""
         at = self._at.moved(self._solved.shared, self._solved.points)
         where = placed(self._at, self._tumble, self._known_epochs).moved(self._solved.shared)
-        return self._silhouettes.shares(where, frames, at.points[self._tracks.live])
+        return self._silhouettes.planes(where, frames, at.points[self._tracks.live])
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.
@@ -299,6 +323,9 @@ class BatchEstimator:
         """
         damping, opened = 0.0, np.inf
         tumble = self._followed(at)
+        if len(self._outlines):
+            epochs = self._known_epochs.take(np.array(self._outlines.frames))
+            self._pairs = pairs_of(placed(at, tumble, epochs))
         rows = self._all_rows(at, tumble)
         for _ in range(self._options.iterations):
             weights = self._weights_of(rows, opened)
@@ -324,28 +351,35 @@ class BatchEstimator:
         solved = (equations.damped(damping) if damping else equations).solve()
         return within_reach(solved.shared, solved.points)
 
-    def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, Rows]:
-        """Return the rows of all that is not frozen: of sightings, and of ranges."""
+    def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, ...]:
+        """Return the rows of all that is not frozen: of sightings, of ranges and of outlines."""
         where = placed(at, tumble, self._known_epochs)
         own = self._sightings
         seen = sighting_rows(where, at.points, own.frame, own.who, own.seen, own.sigma)
-        if not len(self._ranges) or not len(at.points):
-            return seen, Rows.none()
-        return seen, self._range_rows(where, self._ranges, at)
+        if not len(at.points):
+            return seen, Rows.none(), Rows.none()
+        ranged = self._range_rows(where, self._ranges, at) if len(self._ranges) else Rows.none()
+        outlines = np.array(self._outlines.frames, dtype=np.int64)
+        return seen, ranged, self._outline_rows(where.take(outlines), self._pairs)
 
-    def _weights_of(self, rows: tuple[Rows, Rows], opened: float) -> list[Floats]:
-        """Return the weights of sightings and of ranges; gates are no wider than ``opened``."""
-        seen, ranged = (
+    def _weights_of(self, rows: tuple[Rows, ...], opened: float) -> list[Floats]:
+        """Return the weights of all rows; gates are no wider than ``opened``."""
+        options = self._options
+        seen, ranged, outlined = (
             robust_weights.of_most(
-                each.sizes, each.error.shape[1], self._options.gate_sigmas, opened
+                each.sizes, each.error.shape[1], options.gate_sigmas, opened
             )
             for each in rows
         )
-        tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, self._options.track_gate)
-        return [seen * tracks, ranged / self._options.alike_ranges]
+        tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, options.track_gate)
+        return [
+            seen * tracks / options.alike_sightings,
+            ranged / options.alike_ranges,
+            outlined / options.alike_outlines,
+        ]
 
     def _summed(
-        self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]
+        self, at: Unknowns, rows: tuple[Rows, ...], weights: list[Floats]
     ) -> ArrowEquations:
         equations = self._prior.equations(at)
         if self._frozen is not None:
@@ -358,7 +392,7 @@ class BatchEstimator:
             equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
         return equations
 
-    def _cost(self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]) -> float:
+    def _cost(self, at: Unknowns, rows: tuple[Rows, ...], weights: list[Floats]) -> float:
         cost = self._prior.cost(at)
         if self._frozen is not None:
             old, there = self._frozen
@@ -379,7 +413,7 @@ class BatchEstimator:
             self._tracks.give_up(np.flatnonzero(bad), again=self._options.second_chances)
             self._sightings = self._sightings.take(~bad[who])
 
-    def _freeze(self, rows: tuple[Rows, Rows], weights: list[Floats]) -> None:
+    def _freeze(self, rows: tuple[Rows, ...], weights: list[Floats]) -> None:
         """Keep the older half as it was linearised, once there is too much."""
         if len(self._sightings) <= self._options.most_observations or len(weights[0]) != len(
             self._sightings
@@ -391,7 +425,7 @@ class BatchEstimator:
             before, there = self._frozen
             old = before.moved(self._at.shared - there.shared, self._at.points - there.points)
         for each, own, frame in zip(
-            rows, weights, (self._sightings.frame, self._ranges.frame), strict=True
+            rows[:2], weights[:2], (self._sightings.frame, self._ranges.frame), strict=True
         ):
             kept = each.weighted(np.where(frame < middle, own, 0.0))
             old.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)

@@ -23,7 +23,7 @@ class Descent:
     tumble : FreeTumble
         Of these.
     rows : tuple of Rows
-        Of sightings and of ranges, there.
+        Of sightings, of ranges and of outlines, there.
     opened : float
         How wide the gates still are.
     misfit : float
@@ -32,7 +32,7 @@ class Descent:
 
     at: Unknowns
     tumble: FreeTumble
-    rows: tuple[Rows, Rows]
+    rows: tuple[Rows, ...]
     opened: float
     misfit: float
 

@@ -52,6 +52,12 @@ class BatchOptions:
         1 sigma by which a silhouette's border errs, and the surface lies off the hull.
     track_gate : float
         A track whose errors over its life are so many times those of most counts less and less.
+    outline_px : float, px
+        1 sigma by which an outline errs where a plane touches it.
+    alike_outlines : float
+        So many rows of outlines err alike: each is compared with many.
+    alike_sightings : float
+        So many sightings of a track err alike, for it drifts as long as it lives.
     relief_m : float, m
         1 sigma by which the surface lies off the hull of the points.
     relief_share : float
@@ -90,6 +96,9 @@ class BatchOptions:
     range_to: RangeTo = "surface"
     hull_px: float = 0.7
     track_gate: float = float("inf")
+    outline_px: float = 0.7
+    alike_outlines: float = 6.0
+    alike_sightings: float = 1.0
     relief_m: float = 0.01
     relief_share: float = 0.05
     relief_frames: float = 10.0

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.arrays import Mask
+from models.arrays import Floats, Mask
 from pipelines.unknown_target.arrow_equations import Solved
 from pipelines.unknown_target.facet_in_sight import facet_rows
+from pipelines.unknown_target.hull_planes import hull_rows
 from pipelines.unknown_target.observation_rows import Placed, Rows, centre_rows, surface_rows
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.sightings import Ranges
@@ -18,7 +19,7 @@ def range_rows(
     ranges: Ranges,
     at: Unknowns,
     live: Mask,
-    sigma_m: float,
+    sigma_m: Floats,
     options: BatchOptions,
     px_rad: float,
 ) -> Rows:
@@ -27,13 +28,14 @@ def range_rows(
     Parameters
     ----------
     where : Placed
+        All frames.
     ranges : Ranges
         ``frame`` counts in ``where``.
     at : Unknowns
     live : (n,) bool array
         Points that are believed in.
-    sigma_m : float, m
-        Of the hull's corners, see ``hull_sigma_m``.
+    sigma_m : (n,) array, m
+        Of the points, see ``point_sigmas_m``.
     options : BatchOptions
     px_rad : float, rad
         That a pixel covers.
@@ -41,47 +43,48 @@ def range_rows(
     if options.range_to == "centre":
         return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
     if options.range_to in ("facet", "hull"):
-        rows = facet_rows(
+        rows, told = facet_rows(
             where, at.points, live, ranges.facets, ranges.frame, ranges.range_m, ranges.sigma_m,
             options.relief_share,
         )  # fmt: skip
-        return _or_hull(where, ranges, rows, options.hull_px * px_rad)
-    sigma = np.hypot(ranges.sigma_m, np.hypot(options.relief_m, sigma_m))
+        nearest = np.where(np.isfinite(told), sigma_m[rows.who], np.inf)
+        return _or_hull(where, ranges, rows, np.hypot(told, nearest), options.hull_px * px_rad)
+    hull = float(np.sqrt(np.mean(sigma_m[live] ** 2))) if live.any() else 0.0
+    sigma = np.hypot(ranges.sigma_m, np.hypot(options.relief_m, hull))
     return surface_rows(where, at.points, live, ranges.frame, ranges.range_m, sigma)
 
 
-def _or_hull(where: Placed, ranges: Ranges, facets: Rows, sigma_rad: float) -> Rows:
-    """Return the rows by the hull where it is known, else those by facets.
-
-    The hull is carved of what the same motion places, and grows with it: a range is a share of the
-    distance to the centre of mass.
-    """
-    known = np.isfinite(ranges.share)
-    if not known.any():
+def _or_hull(
+    where: Placed, ranges: Ranges, facets: Rows, told_m: Floats, sigma_rad: float
+) -> Rows:
+    """Return each row by the hull or by its facet, whichever is better known along the beam."""
+    if not ranges.planes.known.any():
         return facets
-    share = np.where(known, ranges.share, 1.0)
-    sigma_m = np.hypot(ranges.sigma_m, sigma_rad * ranges.range_m)
-    hull = centre_rows(where, ranges.frame, ranges.range_m / share, sigma_m / share)
-    pick = known[:, None, None]
+    views = where.take(np.maximum(ranges.planes.view, 0))
+    hull, hull_m = hull_rows(
+        views, where.take(ranges.frame), ranges.planes, ranges.range_m, ranges.sigma_m, sigma_rad
+    )
+    better = hull_m < told_m
+    pick = better[:, None, None]
     return Rows(
         np.where(pick, hull.by_shared, facets.by_shared),
         np.where(pick, hull.by_point, facets.by_point),
-        np.where(known[:, None], hull.error, facets.error),
-        np.where(known, hull.who, facets.who),
+        np.where(better[:, None], hull.error, facets.error),
+        np.where(better, hull.who, facets.who),
     )
 
 
-def hull_sigma_m(solved: Solved, live: Mask, prior: Prior) -> float:
-    """Return how well the corners of the hull are known, m: while they are not, nor is it.
+def point_sigmas_m(solved: Solved, count: int, prior: Prior) -> Floats:
+    """Return how well each point is known, (n,) m; all as before it where it lacks one.
 
     Parameters
     ----------
     solved : Solved
-    live : (n,) bool array
+    count : int
+        Of the points by now.
     prior : Prior
     """
     spread = solved.point_covariances()
-    if len(spread) < len(live):
-        return prior.point_information**-0.5
-    own = np.trace(spread[live], axis1=1, axis2=2)
-    return float(np.sqrt(np.mean(own))) if len(own) else 0.0
+    if len(spread) < count:
+        return np.full(count, prior.point_information**-0.5)
+    return np.asarray(np.sqrt(np.maximum(np.trace(spread, axis1=1, axis2=2), 0.0)))
