@@ -38,9 +38,14 @@ from pipelines.unknown_target.observation_rows import (
 )
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
-from pipelines.unknown_target.outline_rows import Outlines, outline_rows, pairs_of
+from pipelines.unknown_target.outline_rows import (
+    Outlines,
+    doubted_outlines,
+    outline_rows,
+    pairs_of,
+)
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
-from pipelines.unknown_target.range_rows import point_sigmas_m, range_rows
+from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
 from pipelines.unknown_target.silhouettes import Silhouettes
 from pipelines.unknown_target.start_guess import StartGuess
@@ -85,6 +90,7 @@ class BatchEstimator:
         self._sightings, self._ranges = Sightings.none(), Ranges.none()
         self._silhouettes, self._outlines = Silhouettes(camera), Outlines(camera)
         self._pairs = np.zeros((0, 2), dtype=np.int64)
+        self._doubted: frozenset[int] = frozenset()
         self._frozen: tuple[ArrowEquations, Unknowns] | None = None
         self._epochs: Epochs | None = None
         self._start_s, self._linearised_at = 0.0, 0
@@ -243,9 +249,10 @@ class BatchEstimator:
         where, place = self._placed(np.array([number, max(int(plane.view[0]), 0)]))
         plane = replace(plane, view=np.where(plane.known, place[1:], plane.view))
         one = replace(self._ranges.take(slice(-1, None)), frame=place[:1], planes=plane)
-        rows = self._range_rows(where, one, self._at)
-        weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
-        self._add(rows, weights / self._options.alike_ranges)
+        for rows in self._range_rows(where, one, self._at):
+            sizes = surprise(rows, self._solved)
+            weights = robust_weights.weights(sizes, self._options.gate_sigmas)
+            self._add(rows, weights / self._options.alike_ranges)
 
     def _take_outline(self, number: int) -> None:
         """Add the rows of the last frame's outline with those of earlier ones."""
@@ -262,10 +269,10 @@ class BatchEstimator:
         sigma_rad = self._options.outline_px / self._camera.fx
         return outline_rows(where, self._outlines, pairs, sigma_rad)
 
-    def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
+    def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> tuple[Rows, Rows]:
         live = self._tracks.live
-        sigma_m = point_sigmas_m(self._solved, len(live), self._prior)
-        return range_rows(where, ranges, at, live, sigma_m, self._options, 1.0 / self._camera.fx)
+        spread_m = hull_sigma_m(self._solved, live, self._prior)
+        return range_rows(where, ranges, at, live, spread_m, self._options, 1.0 / self._camera.fx)
 
     def _add(self, rows: Rows, weights: Floats) -> None:
         kept = rows.weighted(weights)
@@ -300,7 +307,10 @@ class BatchEstimator:
         for _ in range(CARVINGS):
             where = placed(best.at, best.tumble, self._known_epochs)
             points = best.at.points[self._tracks.live]
-            planes = self._silhouettes.planes(where, self._ranges.frame, points)
+            self._doubted = doubted_outlines(
+                self._outlines, self._pairs, best.rows[3], self._options.gate_sigmas
+            )
+            planes = self._silhouettes.planes(where, self._ranges.frame, points, self._doubted)
             self._ranges = replace(self._ranges, planes=planes)
             self._hull_known = bool(planes.known.any())
             if not self._hull_known:
@@ -312,7 +322,8 @@ class BatchEstimator:
         """Return the outlines' planes at which the beams of some frames enter the hull."""
         at = self._at.moved(self._solved.shared, self._solved.points)
         where = placed(self._at, self._tumble, self._known_epochs).moved(self._solved.shared)
-        return self._silhouettes.planes(where, frames, at.points[self._tracks.live])
+        points = at.points[self._tracks.live]
+        return self._silhouettes.planes(where, frames, points, self._doubted)
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.
@@ -352,30 +363,32 @@ class BatchEstimator:
         return within_reach(solved.shared, solved.points)
 
     def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, ...]:
-        """Return the rows of all that is not frozen: of sightings, of ranges and of outlines."""
+        """Return the rows of all that is not frozen: sightings, ranges, outlines."""
         where = placed(at, tumble, self._known_epochs)
         own = self._sightings
         seen = sighting_rows(where, at.points, own.frame, own.who, own.seen, own.sigma)
         if not len(at.points):
-            return seen, Rows.none(), Rows.none()
-        ranged = self._range_rows(where, self._ranges, at) if len(self._ranges) else Rows.none()
+            return seen, *[Rows.none()] * 3
+        ranged = (Rows.none(), Rows.none())
+        if len(self._ranges):
+            ranged = self._range_rows(where, self._ranges, at)
         outlines = np.array(self._outlines.frames, dtype=np.int64)
-        return seen, ranged, self._outline_rows(where.take(outlines), self._pairs)
+        return seen, *ranged, self._outline_rows(where.take(outlines), self._pairs)
 
     def _weights_of(self, rows: tuple[Rows, ...], opened: float) -> list[Floats]:
         """Return the weights of all rows; gates are no wider than ``opened``."""
         options = self._options
-        seen, ranged, outlined = (
-            robust_weights.of_most(
-                each.sizes, each.error.shape[1], options.gate_sigmas, opened
-            )
-            for each in rows
-        )
         tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, options.track_gate)
+        alike: tuple[Floats | float, ...] = (
+            options.alike_sightings / tracks,
+            options.alike_ranges,
+            options.alike_ranges,
+            options.alike_outlines,
+        )
         return [
-            seen * tracks / options.alike_sightings,
-            ranged / options.alike_ranges,
-            outlined / options.alike_outlines,
+            robust_weights.of_most(each.sizes, each.error.shape[1], options.gate_sigmas, opened)
+            / own
+            for each, own in zip(rows, alike, strict=True)
         ]
 
     def _summed(
@@ -424,8 +437,9 @@ class BatchEstimator:
         if self._frozen is not None:
             before, there = self._frozen
             old = before.moved(self._at.shared - there.shared, self._at.points - there.points)
+        ranged = [self._ranges.frame[: len(each.who)] for each in rows[1:3]]
         for each, own, frame in zip(
-            rows[:2], weights[:2], (self._sightings.frame, self._ranges.frame), strict=True
+            rows[:3], weights[:3], (self._sightings.frame, ranged[0], ranged[1]), strict=True
         ):
             kept = each.weighted(np.where(frame < middle, own, 0.0))
             old.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)

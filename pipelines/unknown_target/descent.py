@@ -23,7 +23,7 @@ class Descent:
     tumble : FreeTumble
         Of these.
     rows : tuple of Rows
-        Of sightings, of ranges and of outlines, there.
+        Of sightings, of ranges by points and by the hull, and of outlines, there.
     opened : float
         How wide the gates still are.
     misfit : float

@@ -89,10 +89,8 @@ def facet_rows(
     range_m: Floats,
     sigma_m: Floats,
     relief_share: float,
-) -> tuple[Rows, Floats]:
+) -> Rows:
     """Return the rows of distances to the surface between points seen about the beam.
-
-    And their sigma, (m,) m, as if the points were known; infinite where there is no facet.
 
     A row tells of the corner nearest to the beam: the step from it along the beam is taken from
     the shape as it is now, so that the equations remain an arrow.
@@ -129,5 +127,4 @@ def facet_rows(
     by_shared = np.empty((len(frame), 1, SHARED))
     by_shared[:, :, PLACE] = by_cam @ where.origin_by_place[frame]
     by_shared[:, :, TURN] = cross(points[nearest][:, None], by_point) @ where.turn_by_rest[frame]
-    rows = Rows(by_shared, by_point, ((range_m - met) / sigma)[:, None], nearest)
-    return rows, np.where(there, sigma, np.inf)
+    return Rows(by_shared, by_point, ((range_m - met) / sigma)[:, None], nearest)

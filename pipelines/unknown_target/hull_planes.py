@@ -28,8 +28,8 @@ class HullPlanes:
     view : (m,) int array
         The frame of the silhouette, a place among the epochs; -1 where the hull is not known.
     normal : (m, 3) array
-        Of the plane through that camera, in its axes, outwards; of unit length across the boresight,
-        so that the product with a ray of depth 1 is the angle by which it passes the edge.
+        Of the plane through that camera, in its axes, outwards; of unit length across the
+        boresight: its product with a ray of depth 1 is the angle by which that passes the edge.
     behind_m : (m,) array, m
         How far behind the plane the surface is thought to be, along the beam.
     spread_m : (m,) array, m
@@ -44,7 +44,9 @@ class HullPlanes:
     @classmethod
     def none(cls, count: int) -> HullPlanes:
         """Return so many that are none."""
-        return cls(np.full(count, NONE, dtype=np.int64), np.zeros((count, 3)), *np.zeros((2, count)))
+        return cls(
+            np.full(count, NONE, dtype=np.int64), np.zeros((count, 3)), *np.zeros((2, count))
+        )
 
     @property
     def known(self) -> Mask:
@@ -81,7 +83,8 @@ def hull_rows(
     Parameters
     ----------
     views, beams : Placed
-        The frames of the silhouettes and of the ranges, one each a range; any where it is not known.
+        The frames of the silhouettes and of the ranges, one each a range; any where the hull is
+        not known.
     planes : HullPlanes
     range_m, sigma_m : (m,) array, m
     sigma_rad : float, rad
@@ -89,7 +92,9 @@ def hull_rows(
     """
     turn, origin = beams.R_cam_from_target, beams.t_cam_from_target
     along = turn[:, 2]
-    met = (range_m - planes.behind_m)[:, None] * along - np.einsum("mji,mj->mi", turn, origin)  # body axes
+    met = (range_m - planes.behind_m)[:, None] * along - np.einsum(
+        "mji,mj->mi", turn, origin
+    )  # body axes
     in_view = np.einsum("mij,mj->mi", views.R_cam_from_target, met) + views.t_cam_from_target
     depth = np.where(planes.known & (in_view[:, 2] > NEAREST_M), in_view[:, 2], np.nan)
     normal = np.einsum("mji,mj->mi", views.R_cam_from_target, planes.normal) / depth[:, None]

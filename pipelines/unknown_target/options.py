@@ -46,10 +46,10 @@ class BatchOptions:
     ----------
     range_to : str
         What a range is taken to be to: ``surface``, the hull of all points; ``facet``, the surface
-        between those that were seen about the beam; ``hull``, what silhouettes leave of space,
-        and a facet until they go round; or the ``centre`` of mass as in the paper.
+        between those that were seen about the beam; ``hull``, that and what silhouettes leave of
+        space, once they go round; or the ``centre`` of mass as in the paper.
     hull_px : float, px
-        1 sigma by which a silhouette's border errs, and the surface lies off the hull.
+        1 sigma by which a silhouette's border errs, where a beam enters the hull.
     track_gate : float
         A track whose errors over its life are so many times those of most counts less and less.
     outline_px : float, px
@@ -162,9 +162,6 @@ class ImageOptions:
     batch : BatchOptions
     silhouette_every : int
         Frames from one whose silhouette is kept to the next.
-    alike_frames : float
-        So many sightings of a track err alike, for it drifts as long as it lives: what is stated
-        of all that is known is wider by the root of it.
     """
 
     tracker: TrackerOptions = field(default_factory=TrackerOptions)
@@ -182,11 +179,13 @@ class ImageOptions:
             bad_share=0.2,
             relief_share=0.1,
             second_chances=False,
-            most_sigma_m=0.3,
+            alike_sightings=100.0,
+            alike_outlines=100.0,
+            relief_frames=60.0,
+            most_sigma_m=0.5,
         )
     )
     silhouette_every: int = 5
-    alike_frames: float = 100.0
 
 
 IMAGE_VARIANTS = {"best": ImageOptions()}

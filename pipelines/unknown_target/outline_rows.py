@@ -17,6 +17,7 @@ import numpy as np
 
 from models.arrays import Floats, Indices, Mask
 from models.camera import Camera
+from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.observation_rows import Placed, Rows, cross
 from pipelines.unknown_target.unknowns import PLACE, SHARED, TURN
 
@@ -140,9 +141,7 @@ def outline_rows(own: Placed, outlines: Outlines, pairs: Indices, sigma_rad: flo
     parts = []
     for side in (np.argmin, np.argmax):
         a, b = (side(angles, axis=1) for angles in about)
-        rows = _coplanar(
-            own, first, second, base, in_body[first, a], in_body[second, b], sigma_rad
-        )
+        rows = _coplanar(own, first, second, base, in_body[first, a], in_body[second, b], sigma_rad)
         whole = inside[first, a] & inside[second, b]
         whole &= np.abs(about[0][count, a] - about[1][count, b]) < np.pi / 2
         parts.append((rows, whole))
@@ -152,6 +151,32 @@ def outline_rows(own: Placed, outlines: Outlines, pairs: Indices, sigma_rad: flo
         np.concatenate([rows.by_point for rows, _ in parts]),
         np.concatenate([rows.error for rows, _ in parts]) * whole[:, None],
         np.concatenate([rows.who for rows, _ in parts]),
+    )
+
+
+def doubted_outlines(
+    outlines: Outlines, pairs: Indices, rows: Rows, gate_sigmas: float
+) -> frozenset[int]:
+    """Return the frames whose outlines disagree with most others: a part of them is in shadow.
+
+    Parameters
+    ----------
+    outlines : Outlines
+    pairs : (m, 2) int array
+    rows : Rows
+        Of these pairs.
+    gate_sigmas : float
+        The median error of an outline's rows, in what most rows err, above which it is doubted.
+    """
+    if not len(rows.who):
+        return frozenset()
+    sizes = rows.sizes
+    gate = gate_sigmas * robust_weights.spread(sizes, 1) * robust_weights.MEDIANS[1]
+    whose = np.concatenate([pairs, pairs])
+    return frozenset(
+        frame
+        for place, frame in enumerate(outlines.frames)
+        if (own := (whose == place).any(axis=1)).any() and np.median(sizes[own]) > gate
     )
 
 

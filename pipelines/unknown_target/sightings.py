@@ -108,7 +108,10 @@ class Ranges:
     def none(cls) -> Ranges:
         """Return none at all."""
         return cls(
-            np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), Facets.none(0),
+            np.zeros(0, dtype=np.int64),
+            np.zeros(0),
+            np.zeros(0),
+            Facets.none(0),
             HullPlanes.none(0),
         )
 

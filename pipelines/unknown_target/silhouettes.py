@@ -23,11 +23,12 @@ from pipelines.unknown_target.observation_rows import Placed
 BORDER_PX = 3  # within which the light of an edge spreads beyond it
 LOCAL_PX = 7
 EDGE_LEVEL = 0.4  # of the brightest about it: where an edge is
-CARVED = 0.03  # share of the images that may lack a place: a shadow, a pose that errs
+CARVED = 0.015  # share of the images that may lack a place: a shadow, a pose that errs
+MORE = 0.03  # and of those by which is told how sparsely views carve; two at least
+UNEVEN = 2.0  # 1 sigma of how far the hull is set back, of that: views do not carve evenly
+SPARSE = 0.1  # of the reach, where views carve so sparsely that this is not to be told
 EDGE_PX = 3.5  # about the place where a beam crosses an edge, from which the edge is read
 ONE_SIDED = 0.2  # of that, by which what is covered there must lie to one side: no thin boom
-MORE_CARVED = 0.09  # and that share: how far before the hull tells how sparsely views carve there
-SPARSE = 0.1  # of the reach, where views carve so sparsely that this is not to be told
 STEPS = 100  # along the beam, twice: within the reach, and within one step of that
 REACHED = 0.95  # of the points lie within what is looked through
 FEWEST = 20  # silhouettes
@@ -78,13 +79,16 @@ class Silhouettes:
         self.frames.append(frame)
         self.packed.append(np.packbits(covered, axis=1))
 
-    def planes(self, where: Placed, frames: Indices, points: Floats) -> HullPlanes:
+    def planes(
+        self, where: Placed, frames: Indices, points: Floats, doubted: frozenset[int] = frozenset()
+    ) -> HullPlanes:
         """Return the plane of the silhouette's edge where each beam enters the hull.
 
-        The views that come round carve nearer and nearer to the surface, and those that are let
-        pass would have been the nearest. So the place where three times as many are let pass lies
-        before the hull by twice as much as the hull lies before the surface, if they carve evenly:
-        by so much the hull is set back, and by twice as much it may err.
+        The views that come round carve nearer and nearer to a flat side, and if they do so evenly,
+        a view that looked along it would come next, one gap behind the last. So the surface lies
+        behind the hull by that gap, and one more for each view that is let pass: the gap is read
+        from the place where some more are let pass. By so much the hull is set back, and by twice
+        as much it may err; where a side is round, many carve close to it, and the gap is small.
 
         Parameters
         ----------
@@ -94,13 +98,19 @@ class Silhouettes:
             Those of the beams, places in ``where``.
         points : (n, 3) array, m
             That are believed in: they tell how large the target is.
+        doubted : frozenset of int
+            Frames whose silhouettes carve nothing.
         """
+        if doubted:
+            return self._without(doubted).planes(where, frames, points)
         if not len(points) or not self.frames:
             return HullPlanes.none(len(frames))
         beams = where.take(frames)
         reach_m = float(np.quantile(np.linalg.norm(points, axis=1), REACHED))
         own = where.take(np.array(self.frames, dtype=np.int64))
-        entry_m, sooner_m = self._entries(own, beams, reach_m, (CARVED, MORE_CARVED))
+        passed = int(CARVED * len(self.frames))
+        more = max(2, round(MORE * len(self.frames)))
+        entry_m, sooner_m = self._entries(own, beams, reach_m, (passed, passed + more))
         found = np.flatnonzero(np.isfinite(entry_m))
         if not len(found):
             return HullPlanes.none(len(frames))
@@ -116,8 +126,8 @@ class Silhouettes:
         crossed = (kept & lacking).argmax(axis=0)
         normal = self._edges(own, crossed, at)
         gap_m = (entry_m - sooner_m)[found]
-        behind_m = np.where(np.isfinite(gap_m), gap_m, 0.0) * CARVED / (MORE_CARVED - CARVED)
-        spread_m = np.where(np.isfinite(gap_m), gap_m, SPARSE * reach_m)
+        behind_m = np.where(np.isfinite(gap_m), gap_m, 0.0) * (passed + 1) / more
+        spread_m = np.where(np.isfinite(gap_m), UNEVEN * behind_m, SPARSE * reach_m)
         good = (kept & lacking).any(axis=0) & np.isfinite(normal).all(axis=1)
         told = HullPlanes.none(len(frames))
         told.view[found[good]] = np.array(self.frames)[crossed[good]]
@@ -125,6 +135,13 @@ class Silhouettes:
         told.behind_m[found[good]] = behind_m[good]
         told.spread_m[found[good]] = spread_m[good]
         return told
+
+    def _without(self, doubted: frozenset[int]) -> Silhouettes:
+        pairs = zip(self.frames, self.packed, strict=True)
+        kept = [(frame, packed) for frame, packed in pairs if frame not in doubted]
+        return Silhouettes(
+            self.camera, [frame for frame, _ in kept], [packed for _, packed in kept]
+        )
 
     def _edges(self, own: Placed, which: Indices, places: Floats) -> Floats:
         """Return the outward normals of planes through edges near (m, 3) places, camera axes.
@@ -142,8 +159,8 @@ class Silhouettes:
             packed = self.packed[silhouette_of]
             if not np.isfinite(middle).all():
                 continue
-            column = columns + int(round(float(middle[0])))
-            row = rows + int(round(float(middle[1])))
+            column = columns + round(float(middle[0]))
+            row = rows + round(float(middle[1]))
             away = np.column_stack([column, row]) - middle
             height, width = len(packed), self.camera.width
             near = np.sum(away**2, axis=1) < EDGE_PX**2
@@ -158,7 +175,7 @@ class Silhouettes:
                 continue
             side /= length
             edge = middle + (covered.mean() - 0.5) * 0.5 * np.pi * EDGE_PX * side
-            ends = np.array([edge, edge + [-side[1], side[0]]])
+            ends = np.array([edge, edge + side[::-1] * [-1.0, 1.0]])
             rays = np.column_stack([self.camera.normalise(ends), np.ones(2)])
             across = np.cross(rays[0], rays[1])
             outwards = np.sign(across[:2] @ side) or 1.0
@@ -177,12 +194,12 @@ class Silhouettes:
         reach_m : float, m
             Before and behind the centre of mass, within which the hull is looked for.
         """
-        return self._entries(own, beams, reach_m, (CARVED,))[0]
+        return self._entries(own, beams, reach_m, (int(CARVED * len(self.frames)),))[0]
 
     def _entries(
-        self, own: Placed, beams: Placed, reach_m: float, let_pass: tuple[float, ...]
+        self, own: Placed, beams: Placed, reach_m: float, let_pass: tuple[int, ...]
     ) -> list[Floats]:
-        """Return where the hull begins for each share of silhouettes that may lack a place."""
+        """Return where the hull begins for each number of silhouettes that may lack a place."""
         count = len(beams.t_cam_from_target)
         if len(self.frames) < FEWEST or not _all_round(own):
             return [np.full(count, np.nan)] * len(let_pass)
@@ -194,7 +211,8 @@ class Silhouettes:
         coarse = middle[:, None] + steps
         missing = self._missing_along(own, eye, beam, coarse)
         found = []
-        for share in let_pass:
+        for number in let_pass:
+            share = (number + 0.5) / len(self.frames)
             near, whole = _first_kept(coarse, missing <= share)
             finer = near[:, None] + (steps[1] - steps[0]) * np.linspace(-1.0, 0.0, STEPS)
             kept = self._missing_along(own, eye, beam, finer) <= share

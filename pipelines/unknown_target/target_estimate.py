@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -55,16 +55,6 @@ class TargetEstimate:
     lost_inertia_ratios: int | None = None
     scale_lost: bool | None = None
     sigma_m: Floats | None = None
-
-    def less_certain(self, times: float) -> TargetEstimate:
-        """Return the same with all variances so many times as large.
-
-        Parameters
-        ----------
-        times : float
-        """
-        sigma_m = None if self.sigma_m is None else np.sqrt(times) * self.sigma_m
-        return replace(self, covariance=times * self.covariance, sigma_m=sigma_m)
 
 
 def of_batch(solution: BatchSolution) -> TargetEstimate:

@@ -99,7 +99,7 @@ def test_a_pose_that_errs_moves_the_end_by_what_the_row_says(tube):
 
 
 def test_a_border_that_errs_moves_the_end_by_what_is_stated(tube):
-    """Monte Carlo over the plane: the beam meets it at ranges that spread as told along the beam."""
+    """Monte Carlo over the plane: where the beam meets it spreads as is told along the beam."""
     placed, planes, range_m = tube
     sure = replace(planes, spread_m=np.zeros(len(range_m)))
     nothing = np.full(len(range_m), 1e-9)

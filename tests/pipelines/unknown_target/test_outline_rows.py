@@ -85,14 +85,14 @@ def test_slopes_are_those_of_the_errors(watched):
 
 def test_the_scale_is_not_told(watched):
     """An outline twice as far of a body twice as large is the same outline."""
-    seen, outlines, pairs = watched
+    _, outlines, pairs = watched
     larger = TRUTH.copy()
     larger[PLACE] *= 1.3
     assert np.abs(outline_rows(views(larger), outlines, pairs, PIXEL).error).max() < 1e-9
 
 
 def test_a_wrong_rate_is_found_from_outlines_alone(watched):
-    """Half a degree of axis and 2 % of rate off, borders that err by 0.3 px: a third is left at most."""
+    """Half a degree of axis and 2 % of rate off, borders off by 0.3 px: a third is left at most."""
     seen, _, pairs = watched
     outlines = outlined(seen, 0.3)
     at = TRUTH.copy()
@@ -109,7 +109,7 @@ def test_a_wrong_rate_is_found_from_outlines_alone(watched):
 
 def test_an_outline_that_lacks_a_part_is_refused_and_harms_nobody(watched):
     """A wing in shadow: the rows of that outline are gated, those of others keep their weight."""
-    seen, outlines, pairs = watched
+    seen, _, pairs = watched
     torn = outlined(seen, 0.3)
     middle = torn.corners[9].mean(axis=0)
     torn.corners[9] = middle + 0.5 * (torn.corners[9] - middle)
