@@ -138,6 +138,7 @@ class BatchEstimator:
             self._tracks.live,
             self._options.lost_share,
             self._options.most_sigma_m,
+            self._options.shape_sigma_m,
         )
 
     @property

@@ -91,6 +91,8 @@ class BatchOptions:
         Whether the track of a point that was given up may become another.
     most_sigma_m : float, m
         Points less certain than that are not told of.
+    shape_sigma_m : float, m
+        And those less certain than that are no part of the shape, though they tell the pose.
     """
 
     range_to: RangeTo = "surface"
@@ -115,6 +117,7 @@ class BatchOptions:
     lost_share: float = 0.5
     second_chances: bool = True
     most_sigma_m: float = float("inf")
+    shape_sigma_m: float = float("inf")
 
     @property
     def alike_ranges(self) -> float:
@@ -182,7 +185,8 @@ class ImageOptions:
             alike_sightings=100.0,
             alike_outlines=100.0,
             relief_frames=60.0,
-            most_sigma_m=0.5,
+            most_sigma_m=3.0,
+            shape_sigma_m=0.5,
         )
     )
     silhouette_every: int = 5

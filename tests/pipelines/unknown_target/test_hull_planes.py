@@ -46,6 +46,12 @@ def tube():
     return placed, outlined(seen).planes(placed, np.arange(count), REACH), met_m(seen)
 
 
+def placed_views(count: int) -> Placed:
+    """Return so many frames of the turning tube, without derivatives."""
+    seen = views(360.0, count)
+    return Placed(seen.R_cam_from_target, seen.t_cam_from_target, *np.zeros((6, count, 1)))
+
+
 def rows_of(placed: Placed, planes: HullPlanes, range_m: np.ndarray):
     sigma_m = np.full(len(range_m), RANGE_SIGMA_M)
     return hull_rows(
@@ -139,3 +145,27 @@ def test_where_the_hull_is_not_known_nothing_is_told(tube):
     rows, told_m = rows_of(placed, HullPlanes.none(len(range_m)), range_m)
     assert np.isinf(told_m).all()
     assert np.isinf(rows.sizes).all()
+
+
+def test_the_hull_is_set_back_to_where_the_tube_is():
+    """By the gap of the views that carve: nearer to the surface in the median than as carved."""
+    placed, range_m = placed_views(60), met_m(views(360.0, 60))
+    tube = outlined(views(360.0, 60))
+    planes = tube.planes(placed, np.arange(60), REACH)
+    before = range_m - tube.entries(placed, placed, 3.0)
+    after = (before - planes.behind_m)[planes.known & np.isfinite(range_m)]
+    assert abs(np.median(after)) < 0.5 * PIXEL_M
+    assert (planes.behind_m >= 0.0).all()
+
+
+def test_an_outline_that_is_doubted_carves_nothing():
+    """One of thirty all dark: it carves the target away, until it is doubted."""
+    placed, count = placed_views(30), 30
+    torn = outlined(views(360.0, count))
+    torn.packed[7] = np.zeros_like(torn.packed[7])
+    whole = outlined(views(360.0, count)).planes(placed, np.arange(count), REACH)
+    carved = torn.planes(placed, np.arange(count), REACH)
+    doubting = torn.planes(placed, np.arange(count), REACH, frozenset({7}))
+    assert not carved.known.any()
+    assert doubting.known.mean() > 0.9 * whole.known.mean()
+    assert 7 not in doubting.view

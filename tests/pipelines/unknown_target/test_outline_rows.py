@@ -9,7 +9,12 @@ from models.camera import Camera
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.observation_rows import Epochs, Placed, placed
-from pipelines.unknown_target.outline_rows import Outlines, outline_rows, pairs_of
+from pipelines.unknown_target.outline_rows import (
+    Outlines,
+    doubted_outlines,
+    outline_rows,
+    pairs_of,
+)
 from pipelines.unknown_target.unknowns import CHART, OMEGA, PLACE, SHARED, Unknowns
 
 CAMERA = Camera(width=512, height=512, fx=549.0, fy=549.0, cx=255.5, cy=255.5)
@@ -118,6 +123,7 @@ def test_an_outline_that_lacks_a_part_is_refused_and_harms_nobody(watched):
     has = np.tile((pairs == 9).any(axis=1), 2)
     assert np.median(weights[has]) < 0.01
     assert np.median(weights[~has]) == 1.0
+    assert doubted_outlines(torn, pairs, rows, 3.0) == {9}
 
 
 def test_what_ends_at_the_images_border_says_nothing():
