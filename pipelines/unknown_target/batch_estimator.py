@@ -25,7 +25,7 @@ from models.camera import Camera
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
-from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
+from pipelines.unknown_target.descent import Descent, predicted_shift, surprise, weights_of
 from pipelines.unknown_target.facet_in_sight import facet_in_sight
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.hull_planes import HullPlanes
@@ -38,16 +38,10 @@ from pipelines.unknown_target.observation_rows import (
 )
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
-from pipelines.unknown_target.outline_rows import (
-    Outlines,
-    doubted_outlines,
-    outline_rows,
-    pairs_of,
-)
+from pipelines.unknown_target.outline_memory import OutlineMemory
 from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
 from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
-from pipelines.unknown_target.silhouettes import Silhouettes
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
 from pipelines.unknown_target.unknowns import (
@@ -88,23 +82,18 @@ class BatchEstimator:
         self._equations = self._prior.equations(self._at)
         self._solved = self._equations.solve()
         self._sightings, self._ranges = Sightings.none(), Ranges.none()
-        self._silhouettes, self._outlines = Silhouettes(camera), Outlines(camera)
-        self._pairs = np.zeros((0, 2), dtype=np.int64)
-        self._doubted: frozenset[int] = frozenset()
+        self._outlines = OutlineMemory(camera, options.outline_px, options.gate_sigmas)
         self._frozen: tuple[ArrowEquations, Unknowns] | None = None
         self._epochs: Epochs | None = None
         self._start_s, self._linearised_at = 0.0, 0
-        self._hull_known = False
         self._looked_at = options.every_frame_until
 
     def add(self, frame: TrackedFrame) -> None:
         """Take in a frame; its time is after those of all before."""
         self._note(frame)
-        if frame.covered is not None and self._options.range_to == "hull":
-            self._silhouettes.add(len(self._known_epochs.times_s) - 1, frame.covered)
-        if frame.covered is not None:
-            self._outlines.add(len(self._known_epochs.times_s) - 1, frame.covered)
         epochs, number = self._known_epochs, len(self._known_epochs.times_s) - 1
+        if frame.covered is not None and self._options.range_to == "hull":
+            self._outlines.add(number, frame.covered)
         if epochs.times_s[-1] > self._tumble.until_s:
             self._linearise()
         seen = self._camera.normalise(frame.points_px)
@@ -243,7 +232,9 @@ class BatchEstimator:
 
     def _take_range(self, number: int, range_m: float, sigma_m: float, known: Sightings) -> None:
         facet = facet_in_sight(known.seen, known.who)
-        plane = self._planes(np.array([number])) if self._hull_known else HullPlanes.none(1)
+        plane = (
+            self._planes(np.array([number])) if self._outlines.hull_known else HullPlanes.none(1)
+        )
         self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet, plane)
         if not len(self._at.points):
             return
@@ -257,18 +248,13 @@ class BatchEstimator:
 
     def _take_outline(self, number: int) -> None:
         """Add the rows of the last frame's outline with those of earlier ones."""
-        outlines = self._outlines
-        if not len(outlines) or outlines.frames[-1] != number or not len(self._at.points):
+        frames = self._outlines.frames
+        if number not in frames[-1:] or not len(self._at.points):
             return
-        where, _ = self._placed(np.array(outlines.frames))
-        pairs = pairs_of(where)
-        rows = self._outline_rows(where, pairs[pairs[:, 1] == len(outlines) - 1])
+        where, _ = self._placed(frames)
+        rows = self._outlines.last_rows(where)
         weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
         self._add(rows, weights / self._options.alike_outlines)
-
-    def _outline_rows(self, where: Placed, pairs: Indices) -> Rows:
-        sigma_rad = self._options.outline_px / self._camera.fx
-        return outline_rows(where, self._outlines, pairs, sigma_rad)
 
     def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> tuple[Rows, Rows]:
         live = self._tracks.live
@@ -295,7 +281,7 @@ class BatchEstimator:
             for start in others:
                 other = self._descended(start)
                 best = other if other.misfit < best.misfit else best
-        weights = self._weights_of(best.rows, best.opened)
+        weights = weights_of(best.rows, self._options, best.opened)
         self._at, self._tumble = best.at, best.tumble
         self._equations = self._summed(best.at, best.rows, weights)
         self._solved = self._equations.solve()
@@ -308,23 +294,21 @@ class BatchEstimator:
         for _ in range(CARVINGS):
             where = placed(best.at, best.tumble, self._known_epochs)
             points = best.at.points[self._tracks.live]
-            self._doubted = doubted_outlines(
-                self._outlines, self._pairs, best.rows[3], self._options.gate_sigmas
-            )
-            planes = self._silhouettes.planes(where, self._ranges.frame, points, self._doubted)
+            planes = self._outlines.carve(where, self._ranges.frame, points, best.rows[3])
             self._ranges = replace(self._ranges, planes=planes)
-            self._hull_known = bool(planes.known.any())
-            if not self._hull_known:
+            if not self._outlines.hull_known:
                 break
             best = self._descended(best.at)
         return best
 
     def _planes(self, frames: Indices) -> HullPlanes:
         """Return the outlines' planes at which the beams of some frames enter the hull."""
+        if not self._outlines.hull_known:
+            return HullPlanes.none(len(frames))
         at = self._at.moved(self._solved.shared, self._solved.points)
         where = placed(self._at, self._tumble, self._known_epochs).moved(self._solved.shared)
         points = at.points[self._tracks.live]
-        return self._silhouettes.planes(where, frames, points, self._doubted)
+        return self._outlines.planes(where, frames, points)
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.
@@ -335,12 +319,12 @@ class BatchEstimator:
         """
         damping, opened = 0.0, np.inf
         tumble = self._followed(at)
-        if len(self._outlines):
-            epochs = self._known_epochs.take(np.array(self._outlines.frames))
-            self._pairs = pairs_of(placed(at, tumble, epochs))
+        if len(self._outlines.frames):
+            epochs = self._known_epochs.take(self._outlines.frames)
+            self._outlines.pair(placed(at, tumble, epochs))
         rows = self._all_rows(at, tumble)
         for _ in range(self._options.iterations):
-            weights = self._weights_of(rows, opened)
+            weights = weights_of(rows, self._options, opened)
             equations = self._summed(at, rows, weights)
             step = self._step(equations, damping)
             if equations.square(*step) < SETTLED:
@@ -373,24 +357,7 @@ class BatchEstimator:
         ranged = (Rows.none(), Rows.none())
         if len(self._ranges):
             ranged = self._range_rows(where, self._ranges, at)
-        outlines = np.array(self._outlines.frames, dtype=np.int64)
-        return seen, *ranged, self._outline_rows(where.take(outlines), self._pairs)
-
-    def _weights_of(self, rows: tuple[Rows, ...], opened: float) -> list[Floats]:
-        """Return the weights of all rows; gates are no wider than ``opened``."""
-        options = self._options
-        tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, options.track_gate)
-        alike: tuple[Floats | float, ...] = (
-            options.alike_sightings / tracks,
-            options.alike_ranges,
-            options.alike_ranges,
-            options.alike_outlines,
-        )
-        return [
-            robust_weights.of_most(each.sizes, each.error.shape[1], options.gate_sigmas, opened)
-            / own
-            for each, own in zip(rows, alike, strict=True)
-        ]
+        return seen, *ranged, self._outlines.rows(where.take(self._outlines.frames))
 
     def _summed(
         self, at: Unknowns, rows: tuple[Rows, ...], weights: list[Floats]

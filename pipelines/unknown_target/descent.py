@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import Floats
+from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import Solved
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.observation_rows import Rows
+from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.unknowns import Unknowns
 
 
@@ -35,6 +37,31 @@ class Descent:
     rows: tuple[Rows, ...]
     opened: float
     misfit: float
+
+
+def weights_of(rows: tuple[Rows, ...], options: BatchOptions, opened: float) -> list[Floats]:
+    """Return the weights of the rows of a ``Descent``, one array of (m,) each.
+
+    What errs alike counts as one, and the sightings of a track by its whole life.
+
+    Parameters
+    ----------
+    rows : tuple of Rows
+    options : BatchOptions
+    opened : float
+        Gates are no wider than that, in units of their own width.
+    """
+    tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, options.track_gate)
+    alike: tuple[Floats | float, ...] = (
+        options.alike_sightings / tracks,
+        options.alike_ranges,
+        options.alike_ranges,
+        options.alike_outlines,
+    )
+    return [
+        robust_weights.of_most(each.sizes, each.error.shape[1], options.gate_sigmas, opened) / own
+        for each, own in zip(rows, alike, strict=True)
+    ]
 
 
 def predicted_shift(rows: Rows, solved: Solved) -> Floats:
