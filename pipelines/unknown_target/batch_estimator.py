@@ -25,7 +25,7 @@ from models.camera import Camera
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
-from pipelines.unknown_target.descent import Descent, predicted_shift, surprise, weights_of
+from pipelines.unknown_target.descent import Descent, bend, surprise, weights_of
 from pipelines.unknown_target.facet_in_sight import facet_in_sight
 from pipelines.unknown_target.free_tumble import FreeTumble
 from pipelines.unknown_target.hull_planes import HullPlanes
@@ -39,7 +39,7 @@ from pipelines.unknown_target.observation_rows import (
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
 from pipelines.unknown_target.outline_memory import OutlineMemory
-from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
+from pipelines.unknown_target.point_tracks import FEW, PointTracks, first_places
 from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
 from pipelines.unknown_target.start_guess import StartGuess
@@ -173,21 +173,10 @@ class BatchEstimator:
         self._add(rows, weights / self._options.alike_sightings)
 
     def _bend(self, known: Sightings) -> float:
-        """Return how wrong the lines are by now: the square of what the last image misses them by.
-
-        Each image so far misses them by about as much, and all of them count.
-        """
         if not len(known):
             return 0.0
         where, frame = self._placed(known.frame)
-        at, step = self._at, self._solved
-        straight = sighting_rows(where, at.points, frame, known.who, known.seen, known.sigma)
-        curved = sighting_rows(
-            where.moved(step.shared), at.points + step.points, frame, known.who, known.seen,
-            known.sigma,
-        )  # fmt: skip
-        missed = curved.error - straight.error + predicted_shift(straight, self._solved)
-        return float(np.nansum(missed**2))
+        return bend(where, self._at.points, replace(known, frame=frame), self._solved)
 
     def _give_birth(self, number: int) -> None:
         """Make points of the tracks whose sightings agree; false ones among them are dropped."""
@@ -197,16 +186,10 @@ class BatchEstimator:
         where, frame = self._placed(waiting.frame)
         own = Sightings(frame, waiting.who, waiting.seen, waiting.sigma)
         reach_m = self._options.birth_reach * self._prior.point_information**-0.5
-        places, first = first_places(where, own), []
-        point = np.full(len(waiting), -1, dtype=np.int64)
-        for place, name in enumerate(tracks):
-            of_track = np.flatnonzero(waiting.who == place)
-            of_track = of_track[agreeing(places[of_track], reach_m)]
-            if len(of_track) >= self._options.births:
-                point[of_track] = self._tracks.give_birth(name)
-                first.append(np.median(places[of_track], axis=0))
-        if first:
-            self._make_room(np.array(first))
+        places = first_places(where, own)
+        point, first = self._tracks.give_births(tracks, waiting.who, places, reach_m)
+        if len(first):
+            self._make_room(first)
             kept = point >= 0
             born = Sightings(waiting.frame, point, waiting.seen, waiting.sigma).take(kept)
             rows = sighting_rows(
@@ -326,7 +309,8 @@ class BatchEstimator:
         for _ in range(self._options.iterations):
             weights = weights_of(rows, self._options, opened)
             equations = self._summed(at, rows, weights)
-            step = self._step(equations, damping)
+            solved = equations.damped(damping).solve()
+            step = within_reach(solved.shared, solved.points)
             if equations.square(*step) < SETTLED:
                 if opened == 1.0:
                     break
@@ -342,10 +326,6 @@ class BatchEstimator:
             else:
                 damping = max(1e-4, 10.0 * damping)
         return Descent(at, tumble, rows, opened, robust_weights.spread(rows[0].sizes, 2))
-
-    def _step(self, equations: ArrowEquations, damping: float) -> tuple[Floats, Floats]:
-        solved = (equations.damped(damping) if damping else equations).solve()
-        return within_reach(solved.shared, solved.points)
 
     def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, ...]:
         """Return the rows of all that is not frozen: sightings, ranges, outlines."""

@@ -10,8 +10,9 @@ from models.arrays import Floats
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import Solved
 from pipelines.unknown_target.free_tumble import FreeTumble
-from pipelines.unknown_target.observation_rows import Rows
+from pipelines.unknown_target.observation_rows import Placed, Rows, sighting_rows
 from pipelines.unknown_target.options import BatchOptions
+from pipelines.unknown_target.sightings import Sightings
 from pipelines.unknown_target.unknowns import Unknowns
 
 
@@ -70,6 +71,28 @@ def predicted_shift(rows: Rows, solved: Solved) -> Floats:
         rows.by_shared @ solved.shared
         + np.einsum("mki,mi->mk", rows.by_point, solved.points[rows.who])
     )
+
+
+def bend(where: Placed, points: Floats, known: Sightings, solved: Solved) -> float:
+    """Return how wrong the lines are by now: the square of what the last image misses them by.
+
+    Each image so far misses them by about as much, and all of them count.
+
+    Parameters
+    ----------
+    where : Placed
+        Where all was linearised.
+    points : (n, 3) array, m
+        There.
+    known : Sightings
+        ``frame`` counts in ``where``.
+    solved : Solved
+    """
+    own = known.frame, known.who, known.seen, known.sigma
+    straight = sighting_rows(where, points, *own)
+    curved = sighting_rows(where.moved(solved.shared), points + solved.points, *own)
+    missed = curved.error - straight.error + predicted_shift(straight, solved)
+    return float(np.nansum(missed**2))
 
 
 def surprise(rows: Rows, solved: Solved) -> Floats:
