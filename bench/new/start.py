@@ -36,7 +36,7 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
     ScenarioError
         If the name cannot be, or something of that name is there.
     """
-    from models.atomic_file import write_text
+    from models.atomic_file import sweep_beside, write_text
 
     given, name = name, name if kind == "pipeline" else name.removesuffix(".toml")
     most = _most_characters(kind)
@@ -53,7 +53,9 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
         )
     files, advice = _files(kind, name)
     for file, text in files.items():
-        write_text(place / file if kind == "pipeline" else folder / file, text)
+        made = place / file if kind == "pipeline" else folder / file
+        sweep_beside(made)
+        write_text(made, text)
     return place, advice
 
 

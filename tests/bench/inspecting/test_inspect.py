@@ -20,6 +20,7 @@ from models.spacecraft.own.build import read_own_target
 from models.spacecraft.own.description import description_of
 from models.spacecraft.own.faults import guessed_unit
 from models.spacecraft.own.mesh_file import read_mesh_file
+from tests.support.half_written import left_half_written
 from tests.support.own_meshes import (
     broken_ply,
     gltf_tree,
@@ -75,7 +76,10 @@ def test_it_writes_a_toml_that_can_be_used_and_a_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mesh = textured_glb(tmp_path / "boxsat.glb")
+    names = ("boxsat.toml", "boxsat.inspect.png")
+    half = [left_half_written(tmp_path / name) for name in names]
     assert main(["inspect", str(mesh)]) == 0
+    assert not any(each.exists() for each in half)
     out = capsys.readouterr().out
     assert "bus" in out
     assert "linear red" in out

@@ -27,6 +27,7 @@ from models.spacecraft.own.build import read_own_target
 from pipelines.registry import pipeline_names
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
+from tests.support.half_written import left_half_written
 from tests.support.own_meshes import textured_glb
 from tests.support.patience import HANGS_S
 from tests.support.synthetic_pair import (
@@ -50,6 +51,13 @@ UNCOMMENTED = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
 def here(tmp_path, monkeypatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.mark.parametrize("kind", ["case", "camera", "dataset"])
+def test_what_was_left_half_written_is_swept(here, kind):
+    half = left_half_written(here / "mine.toml")
+    assert main(["new", kind, "mine"]) == 0
+    assert not half.exists()
 
 
 def test_a_case_can_be_rendered_as_it_is(here, capsys):
