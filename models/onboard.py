@@ -71,6 +71,10 @@ class FlightExpectations:
     sun_sigma_deg : float, deg
         1-sigma per axis of that direction as the camera sees it: the ephemeris is nearly exact,
         the chaser's own attitude is not.
+    earth_dir_in_inertial : (3,) array or None
+        Unit vector towards the Earth's centre, as seen from GEO, where it shines on the target.
+    white_dn_ms : float or None, DN/ms
+        What a white matt surface that the Sun meets squarely gives the camera, as calibrated.
     """
 
     cam_from_lvlh: RigidTransform
@@ -81,6 +85,8 @@ class FlightExpectations:
     inertia_kg_m2: Floats | None = None
     sun_dir_in_inertial: Floats | None = None
     sun_sigma_deg: float = 0.0
+    earth_dir_in_inertial: Floats | None = None
+    white_dn_ms: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

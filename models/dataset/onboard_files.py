@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from models.arrays import Floats
 from models.camera import Camera
 from models.dataset.detector_file import detector_to_toml, read_detector
 from models.dataset.marker_file import markers_to_toml, read_markers
@@ -39,6 +40,7 @@ PRIOR, WIREFRAME, EXPECTATIONS = "prior.toml", "wireframe.json", "knowledge.toml
 SIGMAS = "sigmas.toml"
 LARGEST_INERTIA_KG_M2 = 1e9
 MOST_SIGMAS = 1000
+WHITE_DN_MS = (1e-6, 1e12)
 UNIT_TOLERANCE = 1e-3  # a direction typed with four digits is one
 KNOWN = (CAMERA, DETECTOR, OPTICS, MARKERS, PRIOR, WIREFRAME, EXPECTATIONS, SIGMAS)
 
@@ -144,6 +146,10 @@ def expectations_to_toml(expected: FlightExpectations) -> str:
     if expected.sun_dir_in_inertial is not None:
         table["sun_dir_in_inertial"] = expected.sun_dir_in_inertial.tolist()
         table["sun_sigma_deg"] = float(expected.sun_sigma_deg)
+    if expected.earth_dir_in_inertial is not None:
+        table["earth_dir_in_inertial"] = expected.earth_dir_in_inertial.tolist()
+    if expected.white_dn_ms is not None:
+        table["white_dn_ms"] = float(expected.white_dn_ms)
     return tomli_w.dumps(table)
 
 
@@ -159,7 +165,10 @@ def read_expectations(path: Path) -> FlightExpectations:
     sigmas = ("sigma_px", "chaser_sigma_m", "chaser_sigma_m_s")
     fields.only(
         ("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas),
-        ("range_m", "inertia_kg_m2", "sun_dir_in_inertial", "sun_sigma_deg"),
+        (
+            *("range_m", "inertia_kg_m2", "sun_dir_in_inertial", "sun_sigma_deg"),
+            *("earth_dir_in_inertial", "white_dn_ms"),
+        ),
     )
     span = fields.vector("range_m", 2, 0.0, ORBIT_M[1]) if "range_m" in fields else None
     if span is not None and not 0.0 < span[0] <= span[1]:
@@ -167,11 +176,6 @@ def read_expectations(path: Path) -> FlightExpectations:
     inertia = None
     if "inertia_kg_m2" in fields:
         inertia = fields.covariance("inertia_kg_m2", 3, LARGEST_INERTIA_KG_M2)
-    sun = None
-    if "sun_dir_in_inertial" in fields:
-        sun = fields.vector("sun_dir_in_inertial", 3, -1.001, 1.001)
-        if not abs(np.linalg.norm(sun) - 1.0) < UNIT_TOLERANCE:
-            raise fields.refusal("sun_dir_in_inertial", "of length 1", sun.tolist())
     return FlightExpectations(
         cam_from_lvlh=fields.pose("R_cam_from_lvlh", "t_cam_from_lvlh_m", *LENGTH_M),
         sigma_px=fields.number("sigma_px", *SIGMA_PX, above=0.0),
@@ -179,11 +183,25 @@ def read_expectations(path: Path) -> FlightExpectations:
         chaser_sigma_m_s=fields.number("chaser_sigma_m_s", 0.0, SPEED_M_S[1]),
         range_m=None if span is None else (float(span[0]), float(span[1])),
         inertia_kg_m2=inertia,
-        sun_dir_in_inertial=sun,
+        sun_dir_in_inertial=_direction(fields, "sun_dir_in_inertial"),
         sun_sigma_deg=(
             fields.number("sun_sigma_deg", 0.0, 180.0) if "sun_sigma_deg" in fields else 0.0
         ),
+        earth_dir_in_inertial=_direction(fields, "earth_dir_in_inertial"),
+        white_dn_ms=(
+            fields.number("white_dn_ms", *WHITE_DN_MS) if "white_dn_ms" in fields else None
+        ),
     )
+
+
+def _direction(fields: Fields, key: str) -> Floats | None:
+    """Return a unit vector, if it is there."""
+    if key not in fields:
+        return None
+    direction = fields.vector(key, 3, -1.001, 1.001)
+    if not abs(np.linalg.norm(direction) - 1.0) < UNIT_TOLERANCE:
+        raise fields.refusal(key, "of length 1", direction.tolist())
+    return direction
 
 
 def _sigmas(path: Path) -> dict[str, float]:

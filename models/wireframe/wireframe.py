@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from models.arrays import Floats, Indices, Mask
+from models.wireframe.finish import Finish
 
 ROTATION_TOLERANCE = 1e-9  # symmetries are computed, not typed
 
@@ -37,12 +38,14 @@ class Wireframe:
     symmetries : tuple of (3, 3) arrays
         Rotations other than the identity, about the frame's origin, that carry the wireframe onto
         itself: poses that no image of these edges can tell apart.
+    finish : Finish or None
+        Of the triangles, if it is known what they are made of.
 
     Raises
     ------
     ValueError
         If a shape is wrong, a name comes twice, an edge joins no two landmarks, a value is not
-        finite, or a symmetry is not a rotation.
+        finite, a symmetry is not a rotation, or finishes are not as many as triangles.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Wireframe:
     edges: Indices
     triangles_in_target: Floats
     symmetries: tuple[Floats, ...] = field(default=())
+    finish: Finish | None = None
 
     def __post_init__(self) -> None:
         count = len(self.landmark_names)
@@ -77,6 +81,11 @@ class Wireframe:
         for turn in self.symmetries:
             if turn.shape != (3, 3) or np.abs(turn @ turn.T - np.eye(3)).max() > ROTATION_TOLERANCE:
                 raise ValueError(f"{self.name}: expected symmetries as (3, 3) rotations")
+        if self.finish is not None and len(self.finish) != len(self.triangles_in_target):
+            raise ValueError(
+                f"{self.name}: expected a finish for each of {len(self.triangles_in_target)} "
+                f"triangles, got {len(self.finish)}"
+            )
 
     def __len__(self) -> int:
         return len(self.landmark_names)

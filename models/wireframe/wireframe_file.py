@@ -6,13 +6,17 @@
      "landmarks": [{"name": "...", "point_in_target_m": [x, y, z], "appendage": true}, ...],
      "edges": [["name", "name"], ...],
      "triangles_in_target_m": [[[x, y, z], [x, y, z], [x, y, z]], ...],
-     "symmetries": [[[...], [...], [...]], ...]}
+     "symmetries": [[[...], [...], [...]], ...],
+     "finishes": [[[diffuse, mirror, roughness, glass], [...]], ...]}
+
+Finishes are of the triangles' two sides, and may be left out; see ``models.wireframe.finish``.
 """
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +27,7 @@ from models.reading.fields import Fields
 from models.reading.json_file import read_json_table
 from models.reading.shown import shown
 from models.reading.uncertainty import exact_rotation
+from models.wireframe.finish import Finish
 from models.wireframe.wireframe import Wireframe
 
 MOST_BYTES = 256_000_000
@@ -34,7 +39,7 @@ def wireframe_to_json(wireframe: Wireframe) -> str:
     """Return the text of a wireframe's file; numbers keep all their digits."""
     names = wireframe.landmark_names
     rows = zip(names, wireframe.points_in_target, wireframe.appendage, strict=True)
-    table = {
+    table: dict[str, Any] = {
         "name": wireframe.name,
         "landmarks": [
             {"name": name, "point_in_target_m": point.tolist(), "appendage": bool(appendage)}
@@ -44,6 +49,8 @@ def wireframe_to_json(wireframe: Wireframe) -> str:
         "triangles_in_target_m": wireframe.triangles_in_target.tolist(),
         "symmetries": [turn.tolist() for turn in wireframe.symmetries],
     }
+    if wireframe.finish is not None:
+        table["finishes"] = wireframe.finish.table.tolist()
     return json.dumps(table, indent=1) + "\n"
 
 
@@ -66,7 +73,8 @@ def read_wireframe(path: Path) -> Wireframe:
 
 
 def _wireframe(fields: Fields) -> Wireframe:
-    fields.only(("name", "landmarks", "edges", "triangles_in_target_m", "symmetries"))
+    required = ("name", "landmarks", "edges", "triangles_in_target_m", "symmetries")
+    fields.only(required, ("finishes",))
     landmarks = fields.tables("landmarks", MOST_LANDMARKS)
     for row in landmarks:
         row.only(("name", "point_in_target_m", "appendage"))
@@ -83,7 +91,14 @@ def _wireframe(fields: Fields) -> Wireframe:
             "triangles_in_target_m", (None, 3, 3), *LENGTH_M, MOST_TRIANGLES
         ),
         symmetries=tuple(exact_rotation(turn) for turn in turns),
+        finish=_finish(fields),
     )
+
+
+def _finish(fields: Fields) -> Finish | None:
+    if "finishes" not in fields:
+        return None
+    return Finish.of(fields.numbers("finishes", (None, 2, 4), 0.0, 1.0, MOST_TRIANGLES))
 
 
 def _edges(fields: Fields, names: tuple[str, ...]) -> Indices:

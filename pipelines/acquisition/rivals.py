@@ -42,6 +42,10 @@ class Laid(Protocol):
         """Share found of the steps in brightness that are due."""
 
     @property
+    def brightness(self) -> float | None:
+        """Share of the image's brightness that it explains, if that is known."""
+
+    @property
     def range_sigma(self) -> float:
         """Of the range, as a share of it."""
 
@@ -81,7 +85,7 @@ class RivalOptions:
     another_view_deg: float = 10.0
     least_weight: float = 0.25
     most_rivals: int = 8
-    most_wrong: float = 0.02
+    most_wrong: float = 0.0175
 
 
 @dataclass(frozen=True)
@@ -96,12 +100,15 @@ class Standing:
         Means over its images of the shares that it explains.
     range_sigma : float
         Of its last pose; see ``Laid``.
+    brightness : float
+        Mean over its images, likewise; 0 where it is not known.
     """
 
     lead: float
     light: float
     steps: float
     range_sigma: float
+    brightness: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -119,6 +126,8 @@ class Belief:
         sigma over 1 %.
     least : float
         No claim is told to be surer: so few were counted.
+    by_brightness : float
+        Weight of the share of the brightness that is explained.
     """
 
     constant: float = 7.8
@@ -127,9 +136,10 @@ class Belief:
     by_steps: float = -2.96
     by_range: float = 1.48
     least: float = 5e-3
+    by_brightness: float = 0.0
 
     def terms(self, standing: Standing) -> Floats:
-        """Return what the weights multiply, (5,): 1 first."""
+        """Return what the weights multiply, (6,): 1 first, and brightness last."""
         sigma = float(np.clip(standing.range_sigma, *RANGE_SIGMAS))
         return np.array(
             [
@@ -138,14 +148,29 @@ class Belief:
                 standing.light,
                 standing.steps,
                 np.log10(sigma / RANGE_SIGMA),
+                standing.brightness,
             ]
         )
 
+    @property
+    def weights(self) -> Floats:
+        """(6,) array, in the order of ``terms``."""
+        plain = [self.constant, self.by_lead, self.by_light, self.by_steps, self.by_range]
+        return np.array([*plain, self.by_brightness])
+
     def wrong_probability(self, standing: Standing) -> float:
         """Return the probability that the best rival is wrong."""
-        weights = [self.constant, self.by_lead, self.by_light, self.by_steps, self.by_range]
-        odds = float(np.clip(self.terms(standing) @ weights, -50.0, 50.0))
+        odds = float(np.clip(self.terms(standing) @ self.weights, -50.0, 50.0))
         return max(1.0 / (1.0 + float(np.exp(-odds))), self.least)
+
+
+def belief_by_brightness() -> Belief:
+    """Return the belief where the brightness that a pose must show is known.
+
+    Weights of ``bench.suites.uncooperative_suns.calibration`` on the images that ``Belief`` has its
+    own of.
+    """
+    return Belief(9.18, -0.68, -0.1, -2.15, 1.08, by_brightness=-11.36)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +186,7 @@ class Rival(Generic[L]):
         Of the last image.
     score, weight : float
         Sums over all images, each weighted.
-    explained, light, steps : float
+    explained, light, steps, brightness : float
         Sums over its own.
     """
 
@@ -173,6 +198,7 @@ class Rival(Generic[L]):
     explained: float
     light: float
     steps: float
+    brightness: float
 
     def foreseen(self, time_s: float) -> RigidTransform:
         """Return where its last rate takes it; where it was, from a single image."""
@@ -215,10 +241,19 @@ class Rivals(Generic[L]):
         Knows which poses are the same.
     options : RivalOptions
     belief : Belief
+    by_brightness : Belief, optional
+        In its place, where the brightness that a pose must show is known.
     """
 
-    def __init__(self, looking: UnderSun, options: RivalOptions, belief: Belief) -> None:
-        self._looking, self._options, self._belief = looking, options, belief
+    def __init__(
+        self,
+        looking: UnderSun,
+        options: RivalOptions,
+        belief: Belief,
+        by_brightness: Belief | None = None,
+    ) -> None:
+        self._looking, self._options = looking, options
+        self._belief, self._by_brightness = belief, by_brightness or belief
         self.carried: list[Rival[L]] = []
         self._weight = 0.0
         self._worst = 0.0
@@ -263,7 +298,7 @@ class Rivals(Generic[L]):
         """Return the best motion that ends in a candidate."""
         before = [rival for rival in self.carried if self._goes_on(rival, time_s, candidate.pose)]
         if not before:  # it explains nothing of the images before, as the worst of them did
-            nothing = Rival((), (), candidate, self._worst, self._weight, 0.0, 0.0, 0.0)
+            nothing = Rival((), (), candidate, self._worst, self._weight, 0.0, 0.0, 0.0, 0.0)
             return self._with(nothing, time_s, candidate, weight)
         best = max(before, key=lambda rival: rival.score)
         return self._with(best, time_s, candidate, weight)
@@ -279,6 +314,7 @@ class Rivals(Generic[L]):
             explained=rival.explained + weight,
             light=rival.light + weight * candidate.light,
             steps=rival.steps + weight * candidate.steps,
+            brightness=rival.brightness + weight * (candidate.brightness or 0.0),
         )
 
     def _goes_on(self, rival: Rival[L], time_s: float, pose: RigidTransform) -> bool:
@@ -302,10 +338,13 @@ class Rivals(Generic[L]):
             if not self._looking.same(rival.poses[-1], best.poses[-1])
         ]
         lead = best.score - others[0].score if others else ALONE_SIGMAS * best.weight
-        standing = Standing(
-            lead, best.light / best.explained, best.steps / best.explained, best.last.range_sigma
+        light, steps, brightness = (
+            each / best.explained for each in (best.light, best.steps, best.brightness)
         )
-        wrong = self._belief.wrong_probability(standing)
+        standing = Standing(lead, light, steps, best.last.range_sigma, brightness)
+        known = best.last.brightness is not None
+        belief = self._by_brightness if known else self._belief
+        wrong = belief.wrong_probability(standing)
         return Verdict(best.last, wrong, standing, others[0].poses[-1] if others else None)
 
 

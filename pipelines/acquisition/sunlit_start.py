@@ -11,9 +11,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats, Image
+from models.arrays import Image
 from pipelines.acquisition.candidate import Candidate
-from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Verdict
+from pipelines.acquisition.daylight import Daylight
+from pipelines.acquisition.rivals import (
+    Belief,
+    RivalOptions,
+    Rivals,
+    Verdict,
+    belief_by_brightness,
+)
 from pipelines.acquisition.under_sun import UnderSun
 from pipelines.tracking.edge_fit import EdgeImage
 
@@ -25,7 +32,8 @@ class SunlitStartOptions:
     Attributes
     ----------
     rivals : RivalOptions
-    belief : Belief
+    belief, by_brightness : Belief
+        Where shapes of light alone tell poses apart, and where their brightness is known.
     most_work : float
         In fits: an image that would begin beyond it is not looked at. A core of 2020 does 37 a
         second.
@@ -40,6 +48,7 @@ class SunlitStartOptions:
 
     rivals: RivalOptions = field(default_factory=RivalOptions)
     belief: Belief = field(default_factory=Belief)
+    by_brightness: Belief = field(default_factory=belief_by_brightness)
     most_work: float = 170.0
     followed: float = 0.85
     least_followed: float = 0.5
@@ -85,11 +94,13 @@ class SunlitStart:
 
     def __init__(self, looking: UnderSun, options: SunlitStartOptions) -> None:
         self._looking, self._options = looking, options
-        self._rivals: Rivals[Candidate] = Rivals(looking, options.rivals, options.belief)
+        self._rivals: Rivals[Candidate] = Rivals(
+            looking, options.rivals, options.belief, options.by_brightness
+        )
         self._work, self._enough = 0.0, np.inf
         self.last_s = -np.inf
 
-    def take(self, image: Image, time_s: float, sun_in_cam: Floats) -> StartAnswer:
+    def take(self, image: Image, time_s: float, daylight: Daylight) -> StartAnswer:
         """Take the next image.
 
         Parameters
@@ -97,8 +108,7 @@ class SunlitStart:
         image : (height, width) uint16 array, DN
         time_s : float, s
             Later than before.
-        sun_in_cam : (3,) array
-            Unit vector towards the Sun.
+        daylight : Daylight
         """
         if self.last_s == -np.inf:
             self.last_s = time_s
@@ -107,7 +117,7 @@ class SunlitStart:
             return StartAnswer(None, reason, 1.0, None, over=True)
         options = self._options
         enough = -np.inf if self._work > options.work_anew else self._enough
-        looked = self._looking.look(image, sun_in_cam, self._rivals.foreseen(time_s), enough)
+        looked = self._looking.look(image, daylight, self._rivals.foreseen(time_s), enough)
         self._work += looked.work
         self.last_s = time_s
         if not looked.candidates:

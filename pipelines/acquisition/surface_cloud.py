@@ -8,16 +8,20 @@ and seen from both sides, but on the side that is seen only from there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from models.arrays import Floats, Indices
+from models.arrays import Floats, Indices, Mask
 from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.view_sphere import directions_all_around
 
 POINTS = 16_000
 SHADOW_CELLS = 72  # across the target's diameter
+MOST_SHAPES = 8
+THIN = 8_000
+KEPT_SUNS = 2_000  # 4.5 deg apart, for which shadows on a thin cloud are kept
 CLEAR_CELLS = 2.5  # nearer than this behind what the Sun meets first a point is lit itself
 
 
@@ -33,14 +37,41 @@ class SurfaceCloud:
         Of their faces, either way.
     radius_m : float, m
         Of the farthest.
+    face : (n,) array of int
+        The triangle of each.
     """
 
     points: Floats
     normals: Floats
     radius_m: float
+    face: Indices
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether it has so few points that shadows are kept for it from all around."""
+        return len(self.points) < THIN
 
     def __len__(self) -> int:
         return len(self.points)
+
+
+_SHAPES: dict[bytes, Wireframe] = {}
+
+
+def shape_of(wireframe: Wireframe) -> Wireframe:
+    """Return the same shape without finishes, the same object for the same corners and faces.
+
+    What is kept of a shape serves whatever is told of its surfaces.
+
+    Parameters
+    ----------
+    wireframe : Wireframe
+    """
+    parts = (wireframe.points_in_target, wireframe.triangles_in_target, *wireframe.symmetries)
+    key = b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
+    while key not in _SHAPES and len(_SHAPES) >= MOST_SHAPES:
+        del _SHAPES[next(iter(_SHAPES))]
+    return _SHAPES.setdefault(key, replace(wireframe, finish=None))
 
 
 @lru_cache(maxsize=8)
@@ -71,7 +102,7 @@ def surface_cloud(wireframe: Wireframe, count: int = POINTS) -> SurfaceCloud:
     )
     normals = across[face] / np.maximum(2.0 * area[face], 1e-12)[:, None]
     radius = float(np.linalg.norm(triangles.reshape(-1, 3), axis=1).max(initial=1e-6))
-    return SurfaceCloud(points, normals, radius)
+    return SurfaceCloud(points, normals, radius, face)
 
 
 def _even_pairs(count: int) -> Floats:
@@ -102,6 +133,33 @@ def nearest_in_cells(
     found = np.full(width * height, -1, dtype=np.int64)
     found[cell[first]] = chosen[first]
     return found
+
+
+@lru_cache(maxsize=8)
+def kept_shadows(cloud: SurfaceCloud) -> tuple[Floats, Mask]:
+    """Return directions all around, (s, 3), and which points each lights, (s, n); kept in memory.
+
+    Parameters
+    ----------
+    cloud : SurfaceCloud
+    """
+    suns = directions_all_around(KEPT_SUNS)
+    return suns, np.array([sunlight(cloud, sun) != 0.0 for sun in suns])
+
+
+def sunlight_kept(cloud: SurfaceCloud, sun: Floats, point: Indices) -> Floats:
+    """Return ``sunlight`` of some points, (k,), with cast shadows of the nearest direction kept.
+
+    Parameters
+    ----------
+    cloud : SurfaceCloud
+        Thin.
+    sun : (3,) array
+        Unit vector towards the Sun, target frame.
+    point : (k,) array of int
+    """
+    suns, lit = kept_shadows(cloud)
+    return np.where(lit[int(np.argmax(suns @ sun)), point], cloud.normals[point] @ sun, 0.0)
 
 
 def sunlight(cloud: SurfaceCloud, sun: Floats) -> Floats:

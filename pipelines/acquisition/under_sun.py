@@ -17,7 +17,9 @@ from models.camera import Camera
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.brightness_search import FULL_DN, THIN_POINTS, BrightnessSearch
 from pipelines.acquisition.candidate import Candidate
+from pipelines.acquisition.daylight import Daylight
 from pipelines.acquisition.image_part import cut_out, lit_extent_rad, phase_rad
 from pipelines.acquisition.light_likelihood import (
     ImageLight,
@@ -39,7 +41,7 @@ from pipelines.acquisition.sunlit_views import (
     seen_views,
     sunlit_views,
 )
-from pipelines.acquisition.surface_cloud import surface_cloud
+from pipelines.acquisition.surface_cloud import kept_shadows, shape_of, surface_cloud
 from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.tracking.edge_fit import EdgeImage, fit_edges, search_steps
 from pipelines.tracking.model_edges import ModelEdges
@@ -51,10 +53,11 @@ RANGE_SLACK = 1.25  # beyond the coarse range that is known
 PHASE_STEP_DEG = 2.0  # templates of a phase angle serve all within this
 NEAR_PX = 2.0  # an edge this near to its step is found,
 SHARP_SHARE, SHARP_PX = 0.01, (0.5, 1.2)  # and counts by how near: in this share of the radius
-THIN_POINTS, ROUGH_CELLS = 5_000, 2.0  # of a cloud for cells so much larger
+SPARSE_POINTS, ROUGH_CELLS = 5_000, 2.0  # of a cloud for cells so much larger
 POLISH_RAD, POLISH_ASIDE, POLISH_RANGE = 0.09, 0.04, 0.04  # rad, radii, of the range
 POLISHED_REACH_PX = 5.0
 POLISH_WORK = 1.2
+SATURATES = 0.98  # of the way to the converter's or the well's end
 FEWEST_DUE = 12  # samples of edges: fewer tell nothing
 TEMPLATE_WORK, SEARCH_WORK, PLACE_WORK, LIGHT_WORK, FIT_WORK = 14.0, 6.0, 0.05, 0.15, 1.0  # in fits
 
@@ -91,8 +94,11 @@ def make_views(wireframe: Wireframe, options: UnderSunOptions) -> None:
     wireframe : Wireframe
     options : UnderSunOptions
     """
+    shape = shape_of(wireframe)
     for rung in (NEAR_RADII, FAR_RADII):
-        even_views(seen_views(wireframe, rung, options.directions))
+        even_views(seen_views(shape, rung, options.directions))
+    if wireframe.finish is not None:
+        kept_shadows(surface_cloud(shape, THIN_POINTS))
 
 
 class UnderSun:
@@ -118,9 +124,13 @@ class UnderSun:
     ) -> None:
         self._wireframe, self._camera, self._detector = wireframe, camera, detector
         self._options = options
-        self._cloud = surface_cloud(wireframe)
-        self._thin_cloud = surface_cloud(wireframe, THIN_POINTS)
+        self._shape = shape_of(wireframe)
+        self._cloud = surface_cloud(self._shape)
+        self._thin_cloud = surface_cloud(self._shape, SPARSE_POINTS)
         self._edges = ModelEdges(wireframe)
+        self._full_dn = (
+            FULL_DN if detector is None else SATURATES * (detector.saturation_dn - detector.bias_dn)
+        )
         self._range_m = range_m
         self._seen: SeenViews | None = None
         self._lit: SunlitViews | None = None
@@ -132,7 +142,7 @@ class UnderSun:
     def look(
         self,
         image: Image,
-        sun_in_cam: Floats,
+        daylight: Daylight,
         expected: tuple[RigidTransform, ...] = (),
         enough: float = np.inf,
     ) -> Looked:
@@ -141,14 +151,13 @@ class UnderSun:
         Parameters
         ----------
         image : (height, width) uint16 array, DN
-        sun_in_cam : (3,) array
-            Unit vector towards the Sun.
+        daylight : Daylight
         expected : tuple of RigidTransform
             Poses to be tried beside those of the search.
         enough : float
             Share of the light with which one of them is followed, and little else tried.
         """
-        options = self._options
+        options, sun_in_cam = self._options, daylight.sun_in_cam
         cut = cut_out(image, self._camera, self._detector, options.fine_width)
         if not cut.target:
             return Looked(cut, None, (), "nothing in the image stands out of the sky", 0.0)
@@ -158,7 +167,7 @@ class UnderSun:
             shares = [self._light(cut, light, pose, sun_in_cam) for pose in expected]
             effort = options.quick if max(shares) >= enough else options.anew
         rung = NEAR_RADII if lit_extent_rad(cut) > NEAR_BEYOND else FAR_RADII
-        seen = seen_views(self._wireframe, rung, options.directions)
+        seen = seen_views(self._shape, rung, options.directions)
         phase, work = phase_rad(cut, sun_in_cam), SEARCH_WORK
         off_rad = np.inf if self._lit is None else abs(self._lit.phase_rad - phase)
         if self._lit is None or off_rad > np.deg2rad(PHASE_STEP_DEG) or self._seen is not seen:
@@ -220,8 +229,20 @@ class UnderSun:
         finals = found[: options.finalists]
         told = finals[0].told
         weighed = [replace(one, preferred=preference(light, one.told, told)) for one in finals]
+        if daylight.white_dn is not None and self._wireframe.finish is not None:
+            search = BrightnessSearch(
+                cut, self._full_dn, self._wireframe, self._cloud, daylight, radius_px
+            )
+            weighed = [self._by_brightness(search, one) for one in weighed]
+            work += search.work
         weighed.sort(key=lambda one: -one.score)
         return Looked(cut, light, tuple(weighed), "", work)
+
+    @staticmethod
+    def _by_brightness(search: BrightnessSearch, one: Candidate) -> Candidate:
+        """Say how likely the brightness is about a pose, which stays where its edges lie."""
+        nearby = search.polished(one.pose)
+        return replace(one, brightness=max(search.share(one.pose), search.share(nearby)))
 
     def same(self, pose: RigidTransform, other: RigidTransform) -> bool:
         """Tell whether two poses are near each other, a symmetry of the target aside."""

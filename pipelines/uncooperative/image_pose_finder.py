@@ -16,6 +16,7 @@ from models.arrays import Floats
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.pose import RigidTransform
 from models.wireframe.visibility import visible_landmarks
+from pipelines.acquisition.daylight import Daylight
 from pipelines.acquisition.from_image import (
     ImageAcquirer,
     ImageAcquisition,
@@ -98,9 +99,9 @@ class ImagePoseFinder:
         """
         if self._by_points is not None:
             return self._by_points.acquire(self._points(frame))
-        sun_in_cam = self._knowledge.sun_in_cam(frame.chaser, frame.mount)
-        if sun_in_cam is not None:
-            return self._acquired_under(sun_in_cam, frame)
+        daylight = self._knowledge.daylight(frame.chaser, frame.exposure_ms, frame.mount)
+        if daylight is not None:
+            return self._acquired_under(daylight, frame)
         outcome = self._acquirer.acquire(frame.image)
         if outcome.found is None:
             return self._none(frame, outcome.reason)
@@ -164,11 +165,11 @@ class ImagePoseFinder:
             return self._by_points.matched_share(self._points(frame), estimate)
         return self._share
 
-    def _acquired_under(self, sun_in_cam: Floats, frame: ImageFrame) -> Estimate:
+    def _acquired_under(self, daylight: Daylight, frame: ImageFrame) -> Estimate:
         start = self._start
         if start is None or frame.time_s - start.last_s > self._start_options.longest_gap_s:
             self._start = start = self._begun()
-        found = start.take(frame.image, frame.time_s, sun_in_cam)
+        found = start.take(frame.image, frame.time_s, daylight)
         if found.over:
             self._start = None
         if found.pose is None or found.image is None:

@@ -17,6 +17,7 @@ from models.onboard import OnboardKnowledge, needed
 from models.pose import RigidTransform
 from models.sensors.camera_chip import Detector
 from models.wireframe.wireframe import Wireframe
+from pipelines.acquisition.daylight import Daylight
 from pipelines.filters.camera_mount import CameraMount
 
 NAME = "uncooperative"
@@ -59,6 +60,7 @@ class ImageFrame:
         As the chaser's absolute navigation has it, errors and all.
     mount : CameraMount, optional
         By the attitude that is navigated; without it, as known before flight.
+    exposure_ms : float, optional, ms
     """
 
     index: int
@@ -66,6 +68,7 @@ class ImageFrame:
     image: Image
     chaser: ChaserState
     mount: CameraMount | None = None
+    exposure_ms: float | None = None
 
 
 Seen: TypeAlias = PointFrame | ImageFrame
@@ -105,7 +108,8 @@ def shown(frame: Frame, chaser: ChaserState, mount: CameraMount | None = None) -
     if isinstance(points, TableReading):
         pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
         return PointFrame(frame.index, frame.time_s, pixels, chaser, mount)
-    return ImageFrame(frame.index, frame.time_s, frame.image(IMAGE).image, chaser, mount)
+    reading = frame.image(IMAGE)
+    return ImageFrame(frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms)
 
 
 def image_frame(
@@ -166,6 +170,10 @@ class UncooperativeKnowledge:
         Unit vector towards the Sun by the ephemeris on board, in the axes of the chaser's orbit.
     sun_sigma_deg : float, deg
         1-sigma per axis of that direction as the camera sees it.
+    earth_dir_in_inertial : (3,) array, optional
+        Unit vector towards the Earth's centre, where it shines on the target.
+    white_dn_ms : float, optional, DN/ms
+        What a white matt surface that the Sun meets squarely gives the camera.
     """
 
     camera: Camera
@@ -179,13 +187,19 @@ class UncooperativeKnowledge:
     inertia_kg_m2: Floats | None = None
     sun_dir_in_inertial: Floats | None = None
     sun_sigma_deg: float = 0.0
+    earth_dir_in_inertial: Floats | None = None
+    white_dn_ms: float | None = None
 
-    def sun_in_cam(self, chaser: ChaserState, mount: CameraMount | None = None) -> Floats | None:
-        """Return the unit vector towards the Sun in camera axes, (3,), where it is on board.
+    def daylight(
+        self, chaser: ChaserState, exposure_ms: float | None, mount: CameraMount | None = None
+    ) -> Daylight | None:
+        """Return what lights the target in an image, where the Sun's direction is on board.
 
         Parameters
         ----------
         chaser : ChaserState
+        exposure_ms : float or None, ms
+            Of the image; None where it is not known.
         mount : CameraMount, optional
             By the attitude that is navigated; without it, as known before flight.
         """
@@ -193,7 +207,16 @@ class UncooperativeKnowledge:
             return None
         axes = lvlh_axes(chaser.position_in_inertial, chaser.velocity_in_inertial)
         mounted = self.cam_from_lvlh if mount is None else mount.cam_from_lvlh
-        return np.asarray(mounted.rotation @ axes.T @ self.sun_dir_in_inertial)
+        cam_from_inertial = mounted.rotation @ axes.T
+        earth = self.earth_dir_in_inertial
+        white_dn = None
+        if self.white_dn_ms is not None and exposure_ms:
+            white_dn = self.white_dn_ms * exposure_ms
+        return Daylight(
+            cam_from_inertial @ self.sun_dir_in_inertial,
+            None if earth is None else cam_from_inertial @ earth,
+            white_dn,
+        )
 
     @classmethod
     def of(cls, onboard: OnboardKnowledge) -> UncooperativeKnowledge:
@@ -217,4 +240,6 @@ class UncooperativeKnowledge:
             inertia_kg_m2=expected.inertia_kg_m2,
             sun_dir_in_inertial=expected.sun_dir_in_inertial,
             sun_sigma_deg=expected.sun_sigma_deg,
+            earth_dir_in_inertial=expected.earth_dir_in_inertial,
+            white_dn_ms=expected.white_dn_ms,
         )

@@ -53,17 +53,26 @@ def target() -> Wireframe:
 
 
 def mean_dn(
-    wireframe: Wireframe, pose: RigidTransform, camera: Camera, sun_in_cam: Floats, unlit: float
+    wireframe: Wireframe,
+    pose: RigidTransform,
+    camera: Camera,
+    sun_in_cam: Floats,
+    unlit: float,
+    reflects: Floats | None = None,
 ) -> Floats:
-    """Return the drawing without noise, (height, width) DN; ``unlit`` is what no Sun gives."""
+    """Return the drawing without noise, (height, width) DN; ``unlit`` is what no Sun gives.
+
+    Faces are alike, unless it is told what each ``reflects``, (f,).
+    """
     v, u = (np.mgrid[0 : FINE * camera.height, 0 : FINE * camera.width] + 0.5) / FINE - 0.5
     rays = np.stack([(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones_like(u)], -1)
     nearest = np.full(u.shape, np.inf)
     level = np.zeros(u.shape)
-    for a, b, c in pose_faces(wireframe, pose):
+    shares = np.ones(len(wireframe.triangles_in_target)) if reflects is None else reflects
+    for (a, b, c), share in zip(pose_faces(wireframe, pose), shares, strict=True):
         normal = np.cross(b - a, c - a)
         normal /= np.linalg.norm(normal) * -np.sign(normal @ a)
-        shade = unlit + SUNLIT_DN * max(float(normal @ sun_in_cam), 0.0)
+        shade = unlit + share * SUNLIT_DN * max(float(normal @ sun_in_cam), 0.0)
         corners = np.array([a, b, c])
         px = corners[:, :2] / corners[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
         low = np.maximum(np.floor((px.min(axis=0) - 1) * FINE).astype(int), 0)
@@ -94,9 +103,10 @@ def drawn(
     sun_in_cam: tuple[float, float, float] = (-0.55, -0.35, -0.76),
     seed: int = 0,
     unlit_dn: float = EARTHLIT_DN,
+    reflects: Floats | None = None,
 ) -> Image:
     """Return a frame, (height, width) uint16 DN, with shot and read noise."""
-    mean = mean_dn(wireframe, pose, camera, np.array(sun_in_cam), unlit_dn)
+    mean = mean_dn(wireframe, pose, camera, np.array(sun_in_cam), unlit_dn, reflects)
     rng = np.random.default_rng([46, seed])
     charge = rng.poisson(mean * DETECTOR.gain_e_dn) + rng.normal(
         0.0, DETECTOR.read_noise_e, mean.shape

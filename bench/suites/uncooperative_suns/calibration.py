@@ -34,8 +34,8 @@ from models.arrays import Floats, Mask
 from models.errors import DatasetError
 from pipelines.acquisition.rivals import Belief
 
-PRIOR_SIGMAS = (20.0, 4.0, 15.0, 15.0, 6.0)  # of the weights: 3 over what each term varies by
-SIGNS = ((None, None), (None, 0.0), (None, 0.0), (None, 0.0), (0.0, None))
+PRIOR_SIGMAS = (20.0, 4.0, 15.0, 15.0, 6.0, 15.0)  # of the weights: 3 over what each term varies by
+SIGNS = ((None, None), (None, 0.0), (None, 0.0), (None, 0.0), (0.0, None), (None, 0.0))
 MOST_WRONG = 1.0 / 500.0  # of all starts
 LIMITS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 
@@ -72,7 +72,8 @@ def fitted(rows: Sequence[Row]) -> Belief:
         return float(likelihood + 0.5 * off @ off)
 
     found = minimize(cost, np.zeros(len(SIGNS)), method="L-BFGS-B", bounds=SIGNS).x
-    return Belief(*(round(float(each), 2) for each in found))
+    constant, lead, light, steps, spread, brightness = (round(float(each), 2) for each in found)
+    return Belief(constant, lead, light, steps, spread, by_brightness=brightness)
 
 
 def left_out(rows: Sequence[Row]) -> Floats:

@@ -18,22 +18,24 @@ from bench.suites.uncooperative_suns.cases import (
     SUNS,
     MotionTask,
     draw_motion,
-    told_sun,
 )
 from bench.suites.uncooperative_suns.frames import known_of
 from bench.suites.uncooperative_suns.plan import Plan
 from bench.suites.uncooperative_suns.results import WRONG_DEG, WRONG_SHARE
 from bench.suites.uncooperative_suns.starts import frames_unit
+from bench.suites.uncooperative_suns.told import onboard_of
 from bench.suites.units import Outcome, WorkUnit, done_outcome
+from models.errors import DatasetError
 from models.pose import RigidTransform
-from pipelines.acquisition.candidate import SIGMAS_OF_FITNESS
+from pipelines.acquisition.candidate import score_of
 from pipelines.acquisition.rivals import Belief, RivalOptions, Rivals, Standing
 from pipelines.acquisition.sunlit_start import SunlitStart, SunlitStartOptions
 from pipelines.acquisition.under_sun import UnderSun, make_views
 from pipelines.acquisition.under_sun_options import UnderSunOptions
+from pipelines.uncooperative.knowledge import UncooperativeKnowledge
 
 START_S = 6.0
-FITS = ("fitness", "preferred", "light", "steps", "range_sigma")  # of a candidate
+FITS = ("fitness", "preferred", "light", "steps", "range_sigma", "brightness")  # of a candidate
 
 
 @dataclass(frozen=True)
@@ -71,30 +73,41 @@ def evidence(task: EvidenceTask, frames: str) -> Outcome:
     Returns
     -------
     Outcome
-        ``pose`` (k, images, finalists, 3, 4) and ``fits`` (k, images, finalists, 5), the numbers of
+        ``pose`` (k, images, finalists, 3, 4) and ``fits`` (k, images, finalists, 6), the numbers of
         ``Noted``: NaN where there was no candidate. Seconds of one core, by start.
+
+    Raises
+    ------
+    DatasetError
+        If the Sun is not on board.
     """
     motion, place = task.motion, Path(frames)
     shown = done_outcome(place.parents[1], frames_unit(motion, place.parent.name)).values
-    camera, detector, wireframe = known_of(motion)
+    camera, _, wireframe = known_of(motion)
     drawn = draw_motion(motion, camera, wireframe.radius_m)
     options = UnderSunOptions()
-    make_views(wireframe, options)
     silent = SunlitStartOptions(rivals=RivalOptions(most_wrong=-1.0))
     shape = (SUNS, task.images, options.finalists)
     poses, fits = np.full((*shape, 3, 4), np.nan), np.full((*shape, len(FITS)), np.nan)
     seconds = np.zeros(SUNS)
     for number in range(SUNS):
-        sun = told_sun(motion, number, drawn.suns_in_inertial[number], task.sun_sigma_deg)
-        start = SunlitStart(UnderSun(wireframe, camera, detector, options), silent)
+        onboard = onboard_of(motion, drawn, number, task.sun_sigma_deg)
+        known = UncooperativeKnowledge.of(onboard)
+        make_views(known.target, options)
+        looking = UnderSun(known.target, known.camera, known.detector, options)
+        start = SunlitStart(looking, silent)
         began = time.process_time()
         for image in range(task.images):
-            sun_in_cam = drawn.cam_from_inertial(image) @ sun
+            exposure_ms = float(shown["exposure_ms"][number, image])
+            daylight = known.daylight(drawn.chaser(image), exposure_ms)
+            if daylight is None:
+                raise DatasetError("expected the Sun's direction on board, got none")
             time_s = float(drawn.times_s[image])
-            said = start.take(shown["images"][number, image], time_s, sun_in_cam)
+            said = start.take(shown["images"][number, image], time_s, daylight)
             for k, one in enumerate(said.candidates):
                 poses[number, image, k] = one.pose.matrix()[:3]
-                fits[number, image, k] = [getattr(one, name) for name in FITS]
+                given = [getattr(one, name) for name in FITS]
+                fits[number, image, k] = [np.nan if each is None else each for each in given]
             if said.over:
                 break
         seconds[number] = time.process_time() - began
@@ -132,11 +145,12 @@ class Noted:
     light: float
     steps: float
     range_sigma: float
+    brightness: float | None
 
     @property
     def score(self) -> float:
         """How it fits, as a candidate has it."""
-        return SIGMAS_OF_FITNESS * self.fitness + self.preferred
+        return score_of(self.fitness, self.preferred, self.brightness)
 
 
 def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> list[Row]:
@@ -163,7 +177,7 @@ def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> 
         rivals: Rivals[Noted] = Rivals(looking, RivalOptions(), belief or Belief())
         for image in range(unit.task.images):
             own = [
-                Noted(RigidTransform(pose[:, :3], pose[:, 3]), *fit)
+                _noted(RigidTransform(pose[:, :3], pose[:, 3]), fit)
                 for pose, fit in zip(
                     outcome.values["pose"][number, image],
                     outcome.values["fits"][number, image].tolist(),
@@ -181,6 +195,12 @@ def replayed(unit: WorkUnit, outcome: Outcome, belief: Belief | None = None) -> 
             start = (motion.target, motion.seed, motion.number, number)
             rows.append(Row(start, image, verdict.standing, bool(wrong)))
     return rows
+
+
+def _noted(pose: RigidTransform, fit: list[float]) -> Noted:
+    fitness, preferred, light, steps, range_sigma, brightness = fit
+    known = None if np.isnan(brightness) else brightness
+    return Noted(pose, fitness, preferred, light, steps, range_sigma, known)
 
 
 def evidence_units(plan: Plan, target: str, images: int) -> list[WorkUnit]:

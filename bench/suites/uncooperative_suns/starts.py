@@ -8,18 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.suites.uncooperative_suns.cases import SUNS, MotionTask, draw_motion, told_sun
+from bench.suites.uncooperative_suns.cases import SUNS, MotionTask, draw_motion
 from bench.suites.uncooperative_suns.frames import known_of, render_motion
+from bench.suites.uncooperative_suns.told import onboard_of
 from bench.suites.units import Outcome, WorkUnit, done_outcome
-from models.motion.tumble import CAM_FROM_LVLH
-from models.onboard import FlightExpectations, OnboardKnowledge
+from models.onboard import needed
 from pipelines.acquisition.under_sun import make_views
 from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.registry import registered_pipeline
 from pipelines.uncooperative.knowledge import image_frame
 
 PIPELINE = "uncooperative"
-SIGMA_PX = 0.7
 RENDER_S, START_S = 12.0, 8.0  # until one was timed
 
 
@@ -100,24 +99,17 @@ def try_starts(task: StartsTask, frames: str) -> Outcome:
     place = Path(frames)
     unit = frames_unit(motion, place.parent.name)
     shown = done_outcome(place.parents[1], unit).values
-    camera, detector, wireframe = known_of(motion)
+    camera, _, wireframe = known_of(motion)
     drawn = draw_motion(motion, camera, wireframe.radius_m)
-    if task.variant != "paper":
-        make_views(wireframe, UnderSunOptions())  # before flight: no time of a start
     count = SUNS
     found = np.full(count, -1, dtype=np.int64)
     poses, covariances = np.full((count, 3, 4), np.nan), np.full((count, 6, 6), np.nan)
     doubts, seconds, reasons = np.full(count, np.nan), np.zeros(count), []
     for number in range(count):
-        sun = told_sun(motion, number, drawn.suns_in_inertial[number], task.sun_sigma_deg)
-        onboard = OnboardKnowledge(
-            camera=camera,
-            detector=detector,
-            wireframe=wireframe,
-            expectations=FlightExpectations(
-                CAM_FROM_LVLH, SIGMA_PX, sun_dir_in_inertial=sun, sun_sigma_deg=task.sun_sigma_deg
-            ),
-        )
+        onboard = onboard_of(motion, drawn, number, task.sun_sigma_deg)
+        if task.variant != "paper":
+            # Before flight: no time of a start.
+            make_views(needed(onboard.wireframe, "wireframe.json", PIPELINE), UnderSunOptions())
         pipeline = registered_pipeline(PIPELINE).make(onboard, task.variant)
         reason = ""
         for image in range(motion.images):

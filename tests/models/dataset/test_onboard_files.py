@@ -227,6 +227,17 @@ def test_the_sun_on_board_comes_back_to_the_last_bit(folder: Path) -> None:
     assert back.sun_sigma_deg == 0.3
 
 
+def test_the_earth_and_the_level_of_white_come_back_to_the_last_bit(folder: Path) -> None:
+    path = folder / EXPECTATIONS
+    earth = np.array([0.5, 1.0, -2.0]) / np.sqrt(5.25)
+    known = replace(read_expectations(path), earth_dir_in_inertial=earth, white_dn_ms=13_611.7)
+    path.write_text(expectations_to_toml(known))
+    back = read_expectations(path)
+    assert back.earth_dir_in_inertial is not None
+    assert back.earth_dir_in_inertial.tobytes() == earth.tobytes()
+    assert back.white_dn_ms == 13_611.7
+
+
 def test_a_sun_of_another_length_is_refused(folder: Path) -> None:
     path = folder / EXPECTATIONS
     known = replace(read_expectations(path), sun_dir_in_inertial=np.array([0.5, 0.0, 0.0]))

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.pose import RigidTransform
+from pipelines.acquisition.daylight import Daylight
 from pipelines.acquisition.image_part import cut_out
 from pipelines.acquisition.light_likelihood import LIT, SHADE, explained, image_light, told_light
 from pipelines.acquisition.rivals import RivalOptions
@@ -37,6 +38,10 @@ def frame_of(run: int, sun: int) -> np.ndarray:
     return drawn(WIREFRAME, pose_of(run), sun_in_cam=SUNS[sun], seed=run, unlit_dn=DARK_DN)
 
 
+def daylight(sun: int) -> Daylight:
+    return Daylight(np.array(SUNS[sun]))
+
+
 def turn_deg(one: RigidTransform, other: RigidTransform) -> float:
     turn = Rotation.from_matrix(one.rotation @ other.rotation.T)
     return float(np.rad2deg(turn.magnitude()))
@@ -50,7 +55,7 @@ def looking() -> UnderSun:
 @pytest.fixture(scope="module")
 def looked(looking: UnderSun) -> dict[tuple[int, int], Looked]:
     runs = ((1, 0), (1, 1), (2, 0))
-    return {(run, sun): looking.look(frame_of(run, sun), np.array(SUNS[sun])) for run, sun in runs}
+    return {(run, sun): looking.look(frame_of(run, sun), daylight(sun)) for run, sun in runs}
 
 
 def test_the_likeliest_pose_is_right(looked: dict[tuple[int, int], Looked]) -> None:
@@ -108,14 +113,14 @@ def test_a_part_is_cut_out_with_its_camera() -> None:
 def test_an_empty_image_is_refused_with_a_reason(looking: UnderSun) -> None:
     start = SunlitStart(looking, SunlitStartOptions())
     black = np.full((CAMERA.height, CAMERA.width), DETECTOR.bias_dn, dtype=np.uint16)
-    answer = start.take(black, 0.0, np.array(SUNS[0]))
+    answer = start.take(black, 0.0, daylight(0))
     assert answer.pose is None
     assert "stands out of the sky" in answer.reason
 
 
 def test_a_start_ends_when_its_work_is_spent(looking: UnderSun) -> None:
     start = SunlitStart(looking, SunlitStartOptions(most_work=0.0))
-    answer = start.take(frame_of(1, 0), 0.0, np.array(SUNS[0]))
+    answer = start.take(frame_of(1, 0), 0.0, daylight(0))
     assert answer.pose is None
     assert answer.over
     assert "may cost" in answer.reason
@@ -124,7 +129,7 @@ def test_a_start_ends_when_its_work_is_spent(looking: UnderSun) -> None:
 def test_a_start_that_is_not_sure_says_why(looking: UnderSun) -> None:
     """What it explains, and the rival that it leads over: none is sure enough here."""
     never = SunlitStartOptions(rivals=RivalOptions(most_wrong=-1.0))
-    answer = SunlitStart(looking, never).take(frame_of(1, 0), 0.0, np.array(SUNS[0]))
+    answer = SunlitStart(looking, never).take(frame_of(1, 0), 0.0, daylight(0))
     assert answer.pose is None
     assert not answer.over
     assert answer.candidates
@@ -134,7 +139,7 @@ def test_a_start_that_is_not_sure_says_why(looking: UnderSun) -> None:
 
 def test_a_prediction_is_followed_where_it_explains_the_light(looking: UnderSun) -> None:
     """It costs less than looking anew; one that is a quarter turn off is no reason to."""
-    frame, sun, truth = frame_of(1, 0), np.array(SUNS[0]), pose_of(1)
+    frame, sun, truth = frame_of(1, 0), daylight(0), pose_of(1)
     quarter = Rotation.from_rotvec([0.0, 0.0, 0.5 * np.pi]).as_matrix()
     turned = RigidTransform(truth.rotation @ quarter, truth.translation)
     followed = looking.look(frame, sun, (truth,), FOLLOWED)

@@ -108,6 +108,29 @@ def test_the_sun_over_the_chaser_is_at_the_top_of_the_image() -> None:
     chaser = ChaserState(0.0, np.array([4.2e7, 0.0, 0.0]), np.array([0.0, 3.07e3, 0.0]))
     above = replace(known, cam_from_lvlh=CAM_FROM_LVLH, sun_dir_in_inertial=np.array([1.0, 0, 0]))
     ahead = replace(above, sun_dir_in_inertial=np.array([0.0, 1.0, 0.0]))
-    np.testing.assert_allclose(above.sun_in_cam(chaser), [0.0, -1.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(ahead.sun_in_cam(chaser), [0.0, 0.0, 1.0], atol=1e-12)
-    assert replace(above, sun_dir_in_inertial=None).sun_in_cam(chaser) is None
+    for known, expected in ((above, [0.0, -1.0, 0.0]), (ahead, [0.0, 0.0, 1.0])):
+        light = known.daylight(chaser, 2.0)
+        assert light is not None
+        np.testing.assert_allclose(light.sun_in_cam, expected, atol=1e-12)
+        assert light.earth_in_cam is None
+        assert light.white_dn is None
+    assert replace(above, sun_dir_in_inertial=None).daylight(chaser, 2.0) is None
+
+
+def test_the_earth_below_is_at_the_foot_of_the_image_and_exposure_scales_white() -> None:
+    known = UncooperativeKnowledge.of(IMAGES_ON_BOARD)
+    chaser = ChaserState(0.0, np.array([4.2e7, 0.0, 0.0]), np.array([0.0, 3.07e3, 0.0]))
+    told = replace(
+        known,
+        cam_from_lvlh=CAM_FROM_LVLH,
+        sun_dir_in_inertial=np.array([0.0, 1.0, 0.0]),
+        earth_dir_in_inertial=np.array([-1.0, 0.0, 0.0]),
+        white_dn_ms=1000.0,
+    )
+    light = told.daylight(chaser, 2.5)
+    assert light is not None
+    np.testing.assert_allclose(light.earth_in_cam, [0.0, 1.0, 0.0], atol=1e-12)
+    assert light.white_dn == 2500.0
+    unknown = told.daylight(chaser, None)
+    assert unknown is not None
+    assert unknown.white_dn is None
