@@ -2,11 +2,9 @@
 
 >>> from pathlib import Path
 >>> from bench import api
->>> score = api.run("maxar-demo", Path("out/demo"), sun="S4")  # doctest: +SKIP
->>> score["pipelines"]["best"]["core"]["position_error_mm"]["median"]  # doctest: +SKIP
+>>> api.run("maxar-demo", Path("out/demo"))["pipelines"]["best"]["core"]  # doctest: +SKIP
 
-Each loads what it needs when it is called: ``estimate`` knows no renderer and no truth, ``score``
-and ``report`` load no Mitsuba.
+Each loads what it needs when called: ``estimate`` no truth, ``score`` and ``report`` no Mitsuba.
 """
 
 from __future__ import annotations
@@ -284,18 +282,22 @@ def run(case: str, out: Path, seeds: int = 1, **options: Unpack[RenderOptions]) 
     Raises
     ------
     ScenarioError
-        If there are no seeds, or more than a thousand.
+        If there are no seeds, or more than a thousand; or no pipeline takes such frames.
     RvbenchError
         Each says what to do; nothing already rendered is lost.
     """
     check_case(case)
+    from bench.estimating.estimation import check_somebody_estimates
     from bench.estimating.repeated_runs import repeat_runs, runs_left
+    from renders.batches.render_case import render_case
     from renders.batches.replay import light_held
+    from renders.scenario.scenario import RenderRequest
 
     if not 1 <= seeds <= MOST_RUNS:
         raise ScenarioError(f"expected --seeds from 1 to {MOST_RUNS}, got {seeds}")
     left = runs_left(out, seeds)
-    render(case, out, seeds=seeds if left else 1, **options)
+    request = RenderRequest(case=case, out=out, seeds=seeds if left else 1, **options)
+    render_case(request, check=check_somebody_estimates)
     with at_work(out, "run"):
         with light_held(out) if left else nullcontext():
             estimate(out, options.get("threads"))

@@ -1,4 +1,4 @@
-"""What there is to choose from: cases, cameras, targets, Suns, one line each."""
+"""What there is to choose from: cases, cameras, targets, Suns, suites, one line each."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ from rich.table import Table
 
 from bench.suites.catalogue import TITLES
 from models.camera import CAMERAS, Camera
-from models.lights.sun import SUN_CASES_DEG, direction_from_azimuth
+from models.lights.sun import (
+    EYE_IN_HAND_SUNS_DEG,
+    SUN_CASES_DEG,
+    direction_from_azimuth,
+    sun_direction,
+)
 from models.spacecraft.catalogue import TARGETS
 from renders.scenario.case_files import case_description, case_names
 
@@ -55,6 +60,9 @@ def suns() -> list[tuple[str, str]]:
             (name, f"azimuth {azimuth_deg:g} deg, elevation {elevation_deg:g} deg: "
                    f"towards {x:.3f},{y:.3f},{z:.3f} in the target frame")
         )  # fmt: skip
+    for name in EYE_IN_HAND_SUNS_DEG:
+        x, y, z = np.round(sun_direction(name), 3) + 0.0
+        rows.append((name, f"towards {x:.3f},{y:.3f},{z:.3f} in the target frame"))
     return rows
 
 

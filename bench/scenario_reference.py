@@ -81,6 +81,11 @@ Earth's centre, or three zeros for none; with `[earth] shines = true`) and `star
 `[stars] shine = true`). Rows that follow each other at one pose, under other Suns, are traced
 together. Camera axes are x right, y down, z forward. `--width` renders a
 camera of your own at fewer columns, its field of view kept, for a first look.
+
+`rvbench run` goes on to the pipelines, and refuses at once what none takes. Of targets with markers
+ours take image pairs (`frame.kind = "pairs"`), or images in colour of white dots; of those without
+they need the chaser's orbit, which `[tumble]` brings: single images at poses of a table are for
+`rvbench render`, and for pipelines of your own (`rvbench new pipeline NAME`).
 """
 COLUMNS = ("key", "type", "unit", "default", "range", "meaning")
 UNITS = {

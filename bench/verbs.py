@@ -13,11 +13,23 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import RenderOptions
-from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress, is_shared
+from bench.runners.options import (
+    ChunkText,
+    JobsOfFrames,
+    RunnerName,
+    Sbatch,
+    SchedulerAddress,
+    is_shared,
+)
 from models.errors import ScenarioError
+from models.lights.sun_names import SUN_NAMES
 from models.plain_console import plain_console
 
 DONE, WORSE = 0, 1
+SUN_HELP = (
+    f"where the Sun stands: {SUN_NAMES} (`rvbench list`), or a vector towards it in the target "
+    "frame; of a tumbling target a vector in the orbit's inertial frame"
+)
 
 Case = Annotated[str, arg(metavar="CASE")]
 Folder = Annotated[Path, arg(metavar="DIR")]
@@ -43,9 +55,9 @@ class Render:
     """name of a case (see `rvbench list`), or a scenario file"""
     out: Folder
     """folder of the dataset"""
-    sun: Annotated[str | None, arg(metavar="S1..S7|x,y,z", help_behavior_hint="")] = None
-    """where the Sun stands: a name, or a vector towards it in the target frame; of a tumbling
-    target a vector in the orbit's inertial frame"""
+    sun: Annotated[str | None, arg(metavar="NAME|x,y,z", help=SUN_HELP, help_behavior_hint="")] = (
+        None
+    )
     rate_hz: OptionalNumber = None
     """image pairs, or single images, a second"""
     span_s: Annotated[tuple[float, float] | None, arg(metavar="FROM TO", help_behavior_hint="")] = (
@@ -69,7 +81,7 @@ class Render:
     threads: OptionalCount = None
     """cores to use; all unless given"""
     runner: RunnerName = "local"
-    jobs: Jobs = None
+    jobs: JobsOfFrames = None
     sbatch: Sbatch = ()
     scheduler: SchedulerAddress = None
     chunk: ChunkText = None
@@ -279,15 +291,15 @@ class Show:
     variant: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     """whose estimates to draw; best's unless given, or of the first that has spoken"""
     out: OptionalFile = None
-    """the picture; else DIR/show/FRAME_NAME.png"""
+    """the picture; else DIR/show/FRAME_NAME.png, or FRAME.png where nothing was estimated"""
 
     def run(self) -> int:
         """Draw and write the picture."""
-        from bench.estimating.runs import PREFERRED, spoken_variant
+        from bench.estimating.runs import spoken_variant
         from bench.pictures.our_picture import check_picture_place
 
         variant = self.variant or spoken_variant(self.folder)
-        name = f"{self.frame:06d}_{variant or PREFERRED}.png"
+        name = f"{self.frame:06d}{f'_{variant}' if variant else ''}.png"
         out = self.out or self.folder / "show" / name
         if self.out is not None:
             check_picture_place(self.out)
@@ -298,7 +310,7 @@ class Show:
 
 @dataclass(frozen=True)
 class List:
-    """List the cases, cameras, targets and Suns there are."""
+    """List the cases, cameras, targets, Suns and suites there are."""
 
     def run(self) -> int:
         """Print the lists."""

@@ -10,11 +10,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
+from unittest.mock import patch
 
 import tyro
 from tyro.conf import Positional, arg
 
 from bench.campaign.grounds import make_grounds
+from bench.campaign.hostile.controls import check_controls
 from bench.campaign.hostile.running import trials, try_again, try_all
 from bench.campaign.hostile.trial import NAMES
 from bench.campaign.journal import FAULT, Journal, Tried
@@ -72,7 +74,7 @@ class Campaign:
         Raises
         ------
         RvbenchError
-            If there is no such kind, or a seed comes without one.
+            If there is no such kind, a seed comes without one, or what is right is refused.
         """
         began = time.monotonic()
         kinds = KINDS[self.what]
@@ -83,7 +85,8 @@ class Campaign:
         out = self.out.resolve()
         os.environ.setdefault("RVBENCH_CACHE", str(out / "cache"))
         journal = Journal(out / f"{self.what}.jsonl")
-        make_grounds(out / "grounds", tumble=self.full and self.what == "hostile")
+        flies = self.what == "kills" and self.only in (None, "fuse")
+        make_grounds(out / "grounds", tumble=self.full and self.what == "hostile", flight=flies)
         if self.what == "hostile" and self.seed is not None:
             assert self.only is not None
             return try_again(self.only, self.seed, out / "grounds", out / "trial")
@@ -94,6 +97,8 @@ class Campaign:
     def _tried(self, journal: Journal, until: float | None, scratch: Path) -> Iterator[Tried]:
         grounds = (self.out / "grounds").resolve()
         if self.what == "hostile":
+            with patch.dict(os.environ, RVBENCH_STORE=str(scratch / "store")):
+                check_controls(grounds, scratch / "control" / "trial", self.only, full=self.full)
             asked = trials(self.count, self.first, self.only, full=self.full)
             return try_all(journal.left(asked), grounds, scratch, self.workers, until)
         names = (self.only,) if self.only is not None else KINDS[self.what]

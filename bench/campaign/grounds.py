@@ -6,6 +6,8 @@
     pairs/        data (a run), store, and estimates of other tools, as files
     sweep/        data, store
     random/       data: begun, not rendered
+    drawn/        data: a random dataset that is whole
+    flight/       hand, chaser, each with data and store: a run by either camera of an arm
     suite/        data
     export/       data
 """
@@ -47,14 +49,17 @@ CAMPAIGN = Path(__file__).resolve().parent
 HOUSE = CAMPAIGN.parents[1]
 
 
-def make_grounds(folder: Path, *, tumble: bool) -> None:
+def make_grounds(folder: Path, *, tumble: bool, flight: bool = False) -> None:
     """Make what is not there yet.
 
     Parameters
     ----------
     folder : Path
     tumble : bool
-        A run of a target without markers, a sweep and a suite, too: they take a minute.
+        A run of a target without markers, a sweep, a suite and a whole random dataset, too: they
+        take a minute.
+    flight : bool
+        The runs of both cameras of an arm.
     """
     cases = folder / "cases"
     write_cases(cases)
@@ -73,8 +78,15 @@ def make_grounds(folder: Path, *, tumble: bool) -> None:
         typed = ("--suns", "S2", "S3", "--time-s", "200", "--width", "64", "--threads", "1")
         store = ("--out", place / "data", "--store", place / "store")
         _made(place, cases, "sweep", "small.toml", *typed, *store)
+        place = folder / "drawn"
+        _made(place, cases, "dataset", "drawn.toml", "--workers", "1", "--out", place / "data")
         place = folder / "suite"
         _made(place, cases, *SUITE, "--workers", "1", "--out", place / "data")
+    if flight:
+        for camera in ("hand", "chaser"):
+            place = folder / "flight" / camera
+            kept = ("--out", place / "data", "--store", place / "store")
+            _made(place, cases, "run", f"{camera}.toml", *kept)
 
 
 def _made(place: Path, cases: Path, *typed: object, begun: bool = False) -> None:

@@ -30,6 +30,14 @@ def replace(scratch, place):
     return renamed
 pathlib.Path.replace = replace
 """
+COUNTED = """
+import pathlib, sys, time
+count, rename = open(sys.argv.pop(1), "w", buffering=1), pathlib.Path.replace
+def replace(scratch, place):
+    print(repr(time.monotonic()), file=count)
+    return rename(scratch, place)
+pathlib.Path.replace = replace
+"""
 SET_BACK = """
 import sys, time
 reads, seconds, clock = int(sys.argv.pop(1)), float(sys.argv.pop(1)), time.time
@@ -54,6 +62,7 @@ def start(
     struck: int = -1,
     befalls: str = "",
     set_back: tuple[int, float] | None = None,
+    counted: Path | None = None,
 ) -> subprocess.Popen[str]:
     """Start a verb in a process group of its own.
 
@@ -70,8 +79,13 @@ def start(
         What a shell does instead of the kill, once that next one has its name.
     set_back : (int, float), optional
         How often the clock is read before it is set back, and by how many seconds.
+    counted : Path, optional
+        File that takes the instants of the monotonic clock at which files got their names from this
+        process, not from its workers, a line each, s.
     """
     program, words = PROGRAM, list[str]()
+    if counted is not None:
+        program, words = COUNTED + program, [str(counted)]
     if struck >= 0:
         program, words = STRUCK + program, [str(struck), befalls]
     if set_back is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import trimesh
 
 PAIRS = """
@@ -56,6 +57,25 @@ raan_deg = 79.2
 [tumble.onboard]
 range_m = [20.0, 40.0]
 """
+LIT = """
+name = "lit"
+target = "probe.toml"
+markers = "markers.toml"
+[camera]
+width = 64
+height = 48
+fx = 70.0
+fy = 69.0
+cx = 31.0
+cy = 24.0
+[motion]
+file = "poses.csv"
+[sun]
+shared = ["S2", "S3"]
+[render]
+samples = 4
+max_depth = 2
+"""
 OWN = """
 name = "own"
 target = "probe.toml"
@@ -92,6 +112,45 @@ rate_hz = 0.1
 file = "arm.toml"
 [render]
 samples = 2
+max_depth = 2
+"""
+FLIGHT = """
+name = "chaser"
+[camera]
+width = 512
+[motion]
+start_s = 284.0
+end_s = 294.0
+rate_hz = 0.1
+[arm]
+camera = "chaser"
+[render]
+samples = 4
+max_depth = 2
+"""
+HAND = """
+name = "hand"
+target = "maxar1300_grasp"
+[frame]
+kind = "colour"
+[camera]
+preset = "eye_in_hand"
+width = 512
+[motion]
+ring_in_target_m = [0.0, -0.83, 0.0]
+start_s = 284.0
+end_s = 294.0
+rate_hz = 0.1
+[arm]
+camera = "hand"
+grasp_in_target_m = [0.0, 0.0, 0.0]
+[exposure]
+mode = "fixed"
+exposure_ms = 3.0
+[prior]
+by = "arm"
+[render]
+samples = 4
 max_depth = 2
 """
 PROBE = """
@@ -145,43 +204,20 @@ q_cam_from_target_w,q_cam_from_target_x,q_cam_from_target_y,q_cam_from_target_z
 2.0,0.0,0.1,6.5,0.0,1.0,0.0,0.0
 """
 ARM = """
-name = "three joints"
+name = "seven joints"
 convention = "denavit_hartenberg"
-near_deg = [0.0, 60.0, -90.0]
-[[joint]]
-name = "shoulder"
-a_m = 0.0
-alpha_deg = -90.0
-d_m = 0.3
-lower_deg = -170.0
-upper_deg = 170.0
-[[joint]]
-name = "elbow"
-a_m = 1.0
-alpha_deg = 0.0
-d_m = 0.0
-lower_deg = -120.0
-upper_deg = 120.0
-[[joint]]
-name = "wrist"
-a_m = 0.8
-alpha_deg = 0.0
-d_m = 0.0
-lower_deg = -120.0
-upper_deg = 120.0
-[tool]
-place_m = [0.0, 0.0, 0.1]
-rpy_deg = [0.0, 90.0, 0.0]
+near_deg = [143.0, -36.0, -81.0, -101.0, 36.0, 103.0, -53.0]
 """
-URDF = """<robot name="two"><link name="base"/><link name="upper">
-<collision><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry>
-</collision>
-</link><link name="lower"><collision><geometry><sphere radius="0.06"/></geometry></collision></link>
-<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
-<origin xyz="0 0 0.1" rpy="0 0 0"/><limit lower="-2.9" upper="2.9" effort="1" velocity="1"/></joint>
-<joint name="b" type="continuous"><parent link="upper"/><child link="lower"/><axis xyz="0 1 0"/>
-<origin xyz="0 0 0.4"/></joint></robot>
-"""
+ARM_ROWS = (
+    ("shoulder_roll", -90.0, 0.30, 170.0),
+    ("shoulder_pitch", 90.0, 0.0, 120.0),
+    ("shoulder_yaw", -90.0, 1.05, 170.0),
+    ("elbow", 90.0, 0.0, 150.0),
+    ("wrist_roll", -90.0, 1.00, 170.0),
+    ("wrist_pitch", 90.0, 0.0, 120.0),
+    ("hand_roll", 0.0, 0.60, 175.0),
+)
+"""Name, alpha in deg, d in m and how far it turns either way: a, in m, is nothing."""
 SPEC = """
 name = "few"
 frames = 4
@@ -198,6 +234,51 @@ width = 64
 [pose]
 range_m = [20.0, 80.0]
 """
+DRAWN = """
+name = "drawn"
+frames = 12
+seed = 1
+suns_per_pose = 2
+[[target]]
+spacecraft = "probe.toml"
+[[camera]]
+name = "wide"
+width = 64
+[pose]
+range_m = [4.0, 20.0]
+"""
+
+
+def _joint(row: tuple[str, float, float, float]) -> str:
+    """Return a joint of an arm's TOML."""
+    name, alpha_deg, d_m, most_deg = row
+    return (
+        f'[[joint]]\nname = "{name}"\na_m = 0.0\nalpha_deg = {alpha_deg}\nd_m = {d_m}\n'
+        f"lower_deg = {-most_deg}\nupper_deg = {most_deg}\n"
+    )
+
+
+def _urdf() -> str:
+    """Return the same arm as a URDF: a joint stands where the row before it ends."""
+    links = ['<link name="base"/>', '<link name="tool"/>']
+    joints, parent, xyz, roll = list[str](), "base", "0 0 0", 0.0
+    for name, alpha_deg, d_m, most_deg in ARM_ROWS:
+        links.append(
+            f'<link name="{name}"><collision><geometry><sphere radius="0.06"/></geometry>'
+            "</collision></link>"
+        )
+        most = np.deg2rad(most_deg)
+        joints.append(
+            f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{name}"/>'
+            f'<axis xyz="0 0 1"/><origin xyz="{xyz}" rpy="{roll} 0 0"/>'
+            f'<limit lower="{-most}" upper="{most}" effort="1" velocity="1"/></joint>'
+        )
+        parent, xyz, roll = name, f"0 0 {d_m}", np.deg2rad(alpha_deg)
+    joints.append(
+        f'<joint name="flange" type="fixed"><parent link="{parent}"/><child link="tool"/>'
+        f'<origin xyz="{xyz}"/></joint>'
+    )
+    return f'<robot name="seven">{"".join(links)}\n{chr(10).join(joints)}\n</robot>\n'
 
 
 def write_cases(folder: Path) -> None:
@@ -206,13 +287,17 @@ def write_cases(folder: Path) -> None:
         "small.toml": PAIRS,
         "turning.toml": TUMBLE.replace("[told.inertia]\noffset_percent = 0.0\n", ""),
         "own.toml": OWN,
+        "lit.toml": LIT,
+        "hand.toml": HAND,
+        "chaser.toml": FLIGHT,
+        "drawn.toml": DRAWN,
         "armed.toml": ARMED,
         "urdf.toml": ARMED.replace("arm.toml", "arm.urdf"),
         "probe.toml": PROBE,
         "markers.toml": MARKERS,
         "poses.csv": POSES,
-        "arm.toml": ARM,
-        "arm.urdf": URDF,
+        "arm.toml": ARM + "".join(map(_joint, ARM_ROWS)),
+        "arm.urdf": _urdf(),
         "spec.toml": SPEC,
     }
     folder.mkdir(parents=True, exist_ok=True)

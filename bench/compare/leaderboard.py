@@ -7,7 +7,15 @@ from itertools import combinations
 
 import numpy as np
 
-from bench.compare.bootstrap import Resampling, Statistic, interval, mean, median, resampled
+from bench.compare.bootstrap import (
+    FEWEST_BLOCKS,
+    Resampling,
+    Statistic,
+    interval,
+    mean,
+    median,
+    resampled,
+)
 from bench.compare.conditions import Group
 from bench.compare.options import RankBy
 from bench.scoring.pose_measures import MethodMeasures
@@ -81,6 +89,8 @@ class Pair:
         Share of the frames in which one is better; a frame in which both are alike counts half.
     told_apart : bool
         Whether the interval of the difference leaves out 0, of blocks enough to say so.
+    blocks : int
+        Into which the frames were cut.
     """
 
     one: str
@@ -88,6 +98,18 @@ class Pair:
     difference: Value
     better_share: Value
     told_apart: bool
+    blocks: int
+
+    @property
+    def verdict(self) -> str:
+        """Whether they are told apart, and if not why."""
+        if self.told_apart:
+            return "yes"
+        if self.blocks < FEWEST_BLOCKS:
+            return (
+                f"no: {self.blocks} block{'s' if self.blocks != 1 else ''}, {FEWEST_BLOCKS} needed"
+            )
+        return "no: the interval holds 0"
 
 
 @dataclass(frozen=True)
@@ -210,6 +232,7 @@ def _pair(
         difference=_value(whole, ends),
         better_share=_value(float(wins.mean()), interval(resampled(wins, mean, how))),
         told_apart=how.decides(len(first)) and not ends[0] <= 0.0 <= ends[1],
+        blocks=len(first) // how.block(len(first)),
     )
 
 

@@ -78,7 +78,7 @@ def pair_table(comparison: Comparison) -> Table:
             f"{pair.one} − {pair.other}",
             _within(pair.difference, signed=True),
             f"{share(pair.better_share.value)} ({_ends(pair.better_share, percent=True)})",
-            "yes" if pair.told_apart else "no",
+            pair.verdict,
         ]
         for pair in comparison.board.pairs
     ]

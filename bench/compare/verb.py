@@ -30,7 +30,9 @@ class Compare:
     rate. A frame without a pose is lost, and counts as the worst.
     """
 
-    methods: Positional[Annotated[tuple[Path, ...], arg(metavar="METHOD ...")]]
+    methods: Positional[
+        Annotated[tuple[Path, ...], arg(metavar="METHOD ...", help_behavior_hint="")]
+    ]
     """files of estimates, or datasets for all estimates in them"""
     dataset: OptionalFolder = None
     """whose frames they are of; a dataset among the methods unless given"""

@@ -12,6 +12,7 @@ from functools import cache
 from bench.estimating.pipeline_process import described
 from models.errors import ScenarioError
 from pipelines.registry import (
+    OURS,
     foreign_places,
     is_ours,
     pipeline_names,
@@ -118,6 +119,27 @@ def contenders(
     _check_asked(asked, found, lacking, faults, remarks)
     chosen = [each for each in found.values() if {each.label, each.pipeline} & set(asked)]
     return [_that_was_asked(each) for each in chosen], []
+
+
+def what_ours_lack(streams: Iterable[str], names: Iterable[str] = OURS) -> str:
+    """Return in words why none of our pipelines takes frames.
+
+    Parameters
+    ----------
+    streams : iterable of str
+        That every frame has.
+    names : iterable of str
+        Of the pipelines that are told of.
+    """
+    given, told = set(streams), []
+    for name in names:
+        pipeline = registered_pipeline(name)
+        lacks = sorted(set(pipeline.streams) - given)
+        if lacks:
+            told.append(f"{name} lacks {', '.join(lacks)}")
+        elif pipeline.in_colour:
+            told.append(f"{name} takes images in colour")
+    return "; ".join(told)
 
 
 def _named(asked: str, found: dict[str, Contender]) -> bool:

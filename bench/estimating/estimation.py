@@ -6,13 +6,20 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from bench.chains.catalogue import chain_named
-from bench.estimating.contenders import Contender, contenders
+from bench.estimating.contenders import Contender, contenders, what_ours_lack
 from bench.estimating.guard import printable
 from bench.estimating.runner import estimate_run
 from bench.estimating.runs import estimates_path, spoken_variants
 from models.dataset.dataset import Dataset, open_dataset
+from models.dataset.description import DatasetInfo
 from models.errors import ScenarioError
 from models.plain_console import plain_console
+
+HOW_TO_BE_TAKEN = (
+    "Of a target without markers ours need the chaser's orbit, which [tumble] in the scenario "
+    'brings; of one with markers, image pairs (frame.kind = "pairs"). `rvbench new pipeline NAME` '
+    "writes a pipeline of your own to start from"
+)
 
 
 def taking_part(
@@ -33,17 +40,45 @@ def taking_part(
     ScenarioError
         If one asked for is not there, or nobody can run.
     """
-    chain = chain_named(dataset.info.chain)
-    streams = [stream.name for stream in dataset.info.streams]
-    found, remarks = contenders(streams, chain.pipelines, asked)
+    found, remarks = _suited(dataset.info, asked)
     if tell:
         tell_of(remarks)
     if not found:
-        raise ScenarioError(
-            f"{dataset.folder}: expected a pipeline for the streams {', '.join(streams)}, "
-            "found none; install one, see CONTRIBUTING.md"
-        )
+        raise ScenarioError(f"{dataset.folder}: {_nobody(dataset.info)}. {HOW_TO_BE_TAKEN}")
     return found
+
+
+def check_somebody_estimates(info: DatasetInfo) -> None:
+    """Refuse a case that no pipeline would estimate, before anything is rendered.
+
+    Parameters
+    ----------
+    info : DatasetInfo
+        As the dataset will have it.
+
+    Raises
+    ------
+    ScenarioError
+        The message says what each of ours lacks.
+    """
+    if not _suited(info)[0]:
+        raise ScenarioError(
+            f"{info.case}: {_nobody(info)}. {HOW_TO_BE_TAKEN}; frames alone: `rvbench render`. "
+            "Nothing was rendered"
+        )
+
+
+def _suited(info: DatasetInfo, asked: Sequence[str] = ()) -> tuple[list[Contender], list[str]]:
+    streams = [stream.name for stream in info.streams]
+    return contenders(streams, chain_named(info.chain).pipelines, asked)
+
+
+def _nobody(info: DatasetInfo) -> str:
+    streams = [stream.name for stream in info.streams]
+    return (
+        f"expected frames that some pipeline takes, got {', '.join(streams)}: "
+        f"{what_ours_lack(streams)}"
+    )
 
 
 def _tell_of_older(folder: Path, now: Collection[str]) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.estimating.contenders import Contender, contenders
+from bench.estimating.contenders import Contender, contenders, what_ours_lack
 from bench.estimating.estimates_place import check_estimates_place
 from bench.estimating.estimation import tell_of
 from bench.estimating.foreign_images import images_by_stream, read_foreign_image, read_header
@@ -108,12 +108,9 @@ def _taking_part(streams: list[str], asked: Sequence[str], in_colour: bool) -> l
     chosen, remarks = contenders(streams, own, asked)
     tell_of(remarks)
     if not chosen:
-        lacking = {
-            name: sorted(set(registered_pipeline(name).streams) - set(streams)) for name in own
-        }
-        told = "; ".join(f"{name} lacks {', '.join(lacks)}" for name, lacks in lacking.items())
         raise ScenarioError(
-            f"expected frames that some pipeline takes, got {', '.join(streams)}: {told}. Images "
+            f"expected frames that some pipeline takes, got {', '.join(streams)}: "
+            f"{what_ours_lack(streams, own)}. Images "
             f"of a pair are called NAME_800 and NAME_850; {CHASER_ORBIT} is the chaser's orbit as "
             f"its navigation has it: write index, time_s, {', '.join(CHASER_ORBIT_COLUMNS)} into "
             f"{NAVIGATION} in or beside the folder"

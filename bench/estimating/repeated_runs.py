@@ -19,7 +19,7 @@ from bench.estimating.runs import (
     run_folder,
     stamp_path,
 )
-from models.atomic_file import write_text
+from models.atomic_file import sweep_scratch, write_text
 from models.dataset.dataset import Dataset, open_dataset
 from models.dataset.estimates_file import read_estimates
 from models.dataset.onboard_files import onboard_texts
@@ -85,6 +85,7 @@ def _repeat(dataset: Dataset, number: int, chosen: list[Contender]) -> None:
     folder = dataset.folder
     onboard, frames = exposed_frames(folder, number)
     home = run_folder(folder, number)
+    sweep_scratch(home)
     for name, text in onboard_texts(onboard).items():
         if not holds_text(folder / name, text):
             write_text(home / name, text)

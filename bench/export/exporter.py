@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from bench.export.card import card_files
@@ -37,6 +38,8 @@ from bench.export.tone_curve import ToneCurve, tone_curve
 from bench.progress import frame_progress
 from bench.random_dataset.folder import datasets_within
 from models.at_work import at_work
+from models.dataset.dataset import open_dataset
+from models.errors import DatasetError
 
 EIGHT = 8
 AHEAD = 2  # images for each core: what is in hand is all that is in memory
@@ -59,7 +62,7 @@ def export_datasets(request: ExportRequest) -> Plan:
     ScenarioError
         If the datasets do not fit the format.
     DatasetError
-        If a dataset cannot be read, or the folder holds what is not this export.
+        If a dataset cannot be read or lacks images, or the folder holds what is not this export.
     StorageError
         If the folder cannot be written; what is there is whole, and the same command goes on.
     """
@@ -67,6 +70,7 @@ def export_datasets(request: ExportRequest) -> Plan:
     if request.mcap:
         check_mcap()
     folders = [each for given in request.datasets for each in datasets_within(given)]
+    _check_images(request, folders)
     sources = [open_source(number + 1, folder) for number, folder in enumerate(folders)]
     plan = make_plan(sources, request.split, request.split_seed, request.split_block)
     kind.refuse(plan)
@@ -82,6 +86,27 @@ def export_datasets(request: ExportRequest) -> Plan:
         told = dict(_finish(request, kind, records, versions))
         finish(request.out, mark, _every_file(kind, records, told))
     return plan
+
+
+def _check_images(request: ExportRequest, folders: Sequence[Path]) -> None:
+    """Refuse datasets of which images are missing, as of one that is not rendered to its end."""
+    datasets = [open_dataset(folder) for folder in folders]
+    images = [
+        stream.path(dataset.folder, frame)
+        for dataset in datasets
+        for frame in dataset.indices
+        for stream in dataset.info.image_streams
+    ]
+    absent = [path for path in images if not path.is_file()]
+    if not absent:
+        return
+    drawn = any(datasets_within(given) != [given] for given in request.datasets)
+    verb = "dataset SPEC.toml --out DIR` (without --only)" if drawn else "render CASE --out DIR`"
+    raise DatasetError(
+        f"expected all {len(images)} images of the datasets to be there, {len(absent)} are "
+        f"missing, the first {absent[0]}; `rvbench {verb} renders them. Nothing "
+        "was exported"
+    )
 
 
 def _export_all(

@@ -11,6 +11,7 @@ import numpy as np
 
 from bench.estimating.estimates_place import is_ours
 from models.arm.onboard_arm import ARM_FILE, ARM_JOINTS, OnboardArm
+from models.atomic_file import sweep_beside
 from models.dataset.dataset import Dataset, open_dataset
 from models.dataset.estimates_file import read_estimates, write_estimates
 from models.dataset.sensor_table import read_table
@@ -106,6 +107,7 @@ def fuse(
             f"expected {out} to be new, or estimates that rvbench wrote, got another file; "
             "name another with --out"
         )
+    sweep_beside(out)
     write_estimates(out, fused)
     counts = Counter(each.mode for each in fused)
     return Fused(out, {told: counts[mode] for mode, told in MODES.items() if counts[mode]})

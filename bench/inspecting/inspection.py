@@ -150,11 +150,11 @@ def _mass_line(found: Inspection) -> str:
     described, placed = found.target.description, found.placed
     told = described.inertia_kg_m2 is not None
     how = "as told" if told else "of a skin of even thickness"
-    moments = ", ".join(f"{placed.inertia_kg_m2[k, k]:.4g}" for k in range(3))
+    diagonal = ", ".join(f"{placed.inertia_kg_m2[k, k]:.4g}" for k in range(3))
     centre = ", ".join(f"{x:.3g}" for x in placed.centre_of_mass)
     return (
-        f"{placed.mass_kg:.4g} kg, moments {moments} kg m2 {how}; centre of mass at ({centre}) m "
-        "in the target frame"
+        f"{placed.mass_kg:.4g} kg, diagonal of the inertia {diagonal} kg m2 {how}; centre of mass "
+        f"at ({centre}) m in the target frame"
     )
 
 

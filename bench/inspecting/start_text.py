@@ -14,6 +14,7 @@ from models.spacecraft.own.faults import size_of
 from models.spacecraft.own.mesh_file import IN_METRES, MeshFile
 
 MOST_PARTS_LISTED = 40
+ROUNDING = 1e-9
 HEAD = """\
 # A spacecraft of your own: `target = "{file}"` in a scenario. docs/formats.md tells of every key.
 # `#key = value` shows a default, or what was measured: take away the # to change it.
@@ -158,9 +159,12 @@ def _text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
 
 
-def _numbers(values: Sequence[float]) -> str:
-    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
+def _numbers(values: Sequence[float], whole: float = 1.0) -> str:
+    """Write numbers; what rounding has left of a zero, beside ``whole``, is 0."""
+    shown = (0.0 if abs(value) < ROUNDING * whole else value for value in values)
+    return "[" + ", ".join(f"{value:.6g}" for value in shown) + "]"
 
 
 def _matrix(rows: Sequence[Sequence[float]]) -> str:
-    return "[" + ", ".join(_numbers(row) for row in rows) + "]"
+    whole = max(abs(value) for row in rows for value in row)
+    return "[" + ", ".join(_numbers(row, whole) for row in rows) + "]"

@@ -43,7 +43,7 @@ class Inspect:
         )
         from bench.inspecting.start_text import start_text
         from bench.pictures.our_picture import check_picture_place
-        from models.atomic_file import write_bytes, write_text
+        from models.atomic_file import sweep_beside, write_bytes, write_text
         from renders.variant.choice import activate, choose_variant
 
         out = self.file.parent if self.out is None else self.out
@@ -63,12 +63,14 @@ class Inspect:
                 toml.name,
                 found.unit_is_guessed,
             )
+            sweep_beside(toml)
             write_text(toml, text)
             print(f"spacecraft: {toml}")
         activate(choose_variant(self.variant))
         from bench.inspecting.picture import side_picture
 
         craft = found.target.spacecraft
+        sweep_beside(picture)
         write_bytes(picture, side_picture(craft, found.target.wireframe, title_of(found)))
         print(f"picture: {picture}")
         return DONE

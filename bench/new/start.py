@@ -9,6 +9,7 @@ from pathlib import Path
 from models.errors import ScenarioError
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+MOST_CHARACTERS = 100
 
 
 def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]:
@@ -35,13 +36,14 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
     ScenarioError
         If the name cannot be, or something of that name is there.
     """
-    from models.atomic_file import write_text
+    from models.atomic_file import sweep_beside, write_text
 
     given, name = name, name if kind == "pipeline" else name.removesuffix(".toml")
-    if not NAME.fullmatch(name):
+    most = _most_characters(kind)
+    if not NAME.fullmatch(name) or len(name) > most:
         raise ScenarioError(
-            f"expected a name of letters, digits, '.', '_' and '-', got {given!r}; it is "
-            "written into the working directory"
+            f"expected a name of letters, digits, '.', '_' and '-', {most} at most, got "
+            f"{given!r:.120}; it is written into the working directory"
         )
     place = folder / (name if kind == "pipeline" else f"{name}.toml")
     if os.path.lexists(place):
@@ -51,8 +53,19 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
         )
     files, advice = _files(kind, name)
     for file, text in files.items():
-        write_text(place / file if kind == "pipeline" else folder / file, text)
+        made = place / file if kind == "pipeline" else folder / file
+        sweep_beside(made)
+        write_text(made, text)
     return place, advice
+
+
+def _most_characters(kind: str) -> int:
+    """Return how long a name may be, so that what is written is accepted under it."""
+    if kind != "dataset":
+        return MOST_CHARACTERS
+    from bench.random_dataset.spec_tables import MOST_FOLDER_NAME
+
+    return MOST_FOLDER_NAME
 
 
 def _files(kind: str, name: str) -> tuple[dict[str, str], str]:

@@ -2,6 +2,8 @@
 
 A process stays with a part as long as there is work in it: a scene is built once. What a frame is
 depends on its scenario alone, so neither the number of processes nor their order changes a bit.
+The process that was asked renders, too: it has read the spacecraft already, and while another
+starts it is at work.
 """
 
 from __future__ import annotations
@@ -20,14 +22,17 @@ from models.atomic_file import known_disks
 from models.errors import StorageError
 from renders.batches.case_rendering import CaseRendering
 from renders.scenario.scenario import RenderRequest
+from renders.variant.choice import active_variant, full_name
 
 Task: TypeAlias = tuple[RenderRequest, tuple[int, ...]]
 """A part, and frames of it, those of a pose together."""
 
 AT_LEAST = 8  # frames of a task: what it costs to hand one over is not seen then
+IN_HAND = 2  # tasks of another process: it need not wait while this one renders
 
+OWN = -1  # this process, among the numbers of those that it started
 _opened: dict[Path, CaseRendering] = {}
-"""In a worker, the part that it is at."""
+"""The part that this process is at."""
 
 
 def tasks_of(request: RenderRequest, poses: Sequence[Sequence[int]]) -> list[Task]:
@@ -72,7 +77,8 @@ class Crew:
     Attributes
     ----------
     workers : int
-        With one, the work is done in this process.
+        With one, the work is done in this process; this process is one of them unless it renders
+        with another of Mitsuba's variants already.
     left : dict of Path to deque of Task
         By the folder of the part.
     """
@@ -93,18 +99,15 @@ class Crew:
         """
         self.left = {folder: deque(own) for folder, own in tasks.items() if own}
         count = min(self.workers, sum(map(len, self.left.values())))
-        if count <= 1:
-            while (task := self._next(0)) is not None:
-                yield render_frames(*task)
-            _opened.clear()
-            return
+        here = count <= 1 or all(_renders_here(own[0][0]) for own in self.left.values())
         # Not forked: this process may hold threads, which a fork would lose.
         context = multiprocessing.get_context("spawn")
         pools = [
-            ProcessPoolExecutor(1, context, begin_worker, (known_disks(),)) for _ in range(count)
+            ProcessPoolExecutor(1, context, begin_worker, (known_disks(),))
+            for _ in range(count - here)
         ]
         try:
-            yield from self._shared(pools)
+            yield from self._shared(pools, here=here)
         except BrokenProcessPool as error:
             raise StorageError(
                 "expected each rendering process to live, one was killed, perhaps for want of "
@@ -112,27 +115,36 @@ class Crew:
                 "--workers"
             ) from error
         finally:
+            _opened.clear()
             for pool in pools:
                 pool.shutdown(wait=True, cancel_futures=True)
 
-    def _shared(self, pools: Sequence[ProcessPoolExecutor]) -> Iterator[int]:
+    def _shared(self, pools: Sequence[ProcessPoolExecutor], *, here: bool) -> Iterator[int]:
+        """Do every task, some ``here``, in this process; it hands them out between its own."""
         busy: dict[Future[int], int] = {}
-        for worker in range(len(pools)):
-            self._hand(pools, worker, busy)
-        while busy:
-            done, _ = wait(busy, return_when=FIRST_COMPLETED)
+        self._fill(pools, busy, 1)
+        while busy or here:
+            own = self._next(OWN) if here else None
+            here = own is not None
+            if own is not None:
+                self._fill(pools, busy, IN_HAND)
+                yield render_frames(*own)
+            done, _ = wait(busy, 0.0 if here else None, return_when=FIRST_COMPLETED)
             for future in done:
-                worker = busy.pop(future)
-                frames = future.result()
-                self._hand(pools, worker, busy)
-                yield frames
+                busy.pop(future)
+                yield future.result()
+            self._fill(pools, busy, 1)
 
-    def _hand(
-        self, pools: Sequence[ProcessPoolExecutor], worker: int, busy: dict[Future[int], int]
+    def _fill(
+        self, pools: Sequence[ProcessPoolExecutor], busy: dict[Future[int], int], most: int
     ) -> None:
-        task = self._next(worker)
-        if task is not None:
-            busy[pools[worker].submit(render_frames, *task)] = worker
+        """Hand each of the others tasks until it has so many, or none is left."""
+        for worker, pool in enumerate(pools):
+            while list(busy.values()).count(worker) < most:
+                task = self._next(worker)
+                if task is None:
+                    return
+                busy[pool.submit(render_frames, *task)] = worker
 
     def _next(self, worker: int) -> Task | None:
         """Return a task of the part that a worker is at, else of one that nobody is at."""
@@ -150,3 +162,9 @@ class Crew:
         if not self.left[here]:
             del self.left[here]
         return task
+
+
+def _renders_here(request: RenderRequest) -> bool:
+    """Tell whether this process can render it: one holds one variant."""
+    active = active_variant()
+    return active is None or request.variant == "auto" or full_name(request.variant) == active

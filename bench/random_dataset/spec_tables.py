@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from models.lights.earth import ALBEDO, EARTH_RADIUS_KM, GEO_RADIUS_KM
+from models.spacecraft.catalogue import TARGETS
 from renders.scenario.camera_tables import (
     CameraTable,
     DetectorTable,
@@ -25,14 +26,17 @@ PhaseDeg = Annotated[float, Field(ge=0, le=180)]
 ExposureMs = Annotated[float, Field(ge=1e-4, le=1e5)]
 SigmaPx = Annotated[float, Field(ge=0, le=50)]
 Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
-FolderName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.]{0,31}$")]
+MOST_FOLDER_NAME = 32  # characters
+FolderName = Annotated[
+    str, Field(pattern=rf"^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{MOST_FOLDER_NAME - 1}}}$")
+]
 
 
 class TargetTable(Table):
     """One of the spacecraft that are shown, as often as any other."""
 
     spacecraft: Name = Field(
-        description="maxar1300, xmm or hispasat, or a .toml file of a spacecraft of your own"
+        description=f"{', '.join(TARGETS)}, or a .toml file of a spacecraft of your own"
     )
     range_m: RangesM | None = Field(
         None, description="nearest and farthest; pose.range_m where left out"
@@ -47,7 +51,7 @@ class TargetTable(Table):
 class SpecCameraTable(CameraTable):
     """One of the cameras that look, as often as any other: a preset, a file, or one typed here."""
 
-    name: FolderName = Field("camera", description="letters, digits, _ and .; it names folders")
+    name: FolderName = Field("camera", description="letters, digits, _, . and -; it names folders")
     range_factor: float = Field(
         1.0, ge=1e-3, le=1e3, description="on the ranges, for a camera of another field of view"
     )

@@ -96,7 +96,10 @@ class Dataset:
         for folder in result.folders:
             print(f"dataset: {folder}")
         if result.left:
-            print(f"left: {result.left} frames; the same command renders them")
+            same = "the same command" if self.only is None else "the same command without --only"
+            print(
+                f"left: {result.left} frame{'s' if result.left != 1 else ''}; {same} renders them"
+            )
         print(f"card: {(self.out / 'README.md').resolve()}")
         return DONE
 

@@ -6,11 +6,13 @@ import math
 
 NONE = "–"
 MINUS = "\N{MINUS SIGN}"
-SMALLEST = 1e-5
+SMALLEST = 1e-5  # that is written without an exponent
 
 
 def number(value: float | None, digits: int = 3, signed: bool = False) -> str:
-    """Write a number with so many significant digits, never in exponents.
+    """Write a number with so many significant digits; 0 stands for nothing else.
+
+    Only what is below 1e-5 has an exponent: 2.61e-6, with a true minus.
 
     Parameters
     ----------
@@ -22,8 +24,11 @@ def number(value: float | None, digits: int = 3, signed: bool = False) -> str:
     """
     if value is None:
         return NONE
-    if abs(value) < SMALLEST:
+    if value == 0.0:
         return "0"
+    if abs(value) < SMALLEST:
+        mantissa, exponent = f"{value:{'+' if signed else ''}.{digits - 1}e}".split("e")
+        return f"{mantissa}e{int(exponent)}".replace("-", MINUS)
     rounded = float(f"{value:.{digits - 1}e}")  # 0.9999 is 1.00, not 1.000
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded))))
     text = f"{value:+.{decimals}f}" if signed else f"{value:.{decimals}f}"

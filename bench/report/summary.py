@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 from rich import box
+from rich.cells import cell_len
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table as TextTable
 
 from bench.report.table import (
@@ -18,6 +21,10 @@ from bench.report.table import (
     time_cells,
 )
 from bench.scoring.score import shown_labels
+
+NARROW = 12  # characters: no heading is broken into shorter lines
+LONGEST_NAME = 28  # of a row, on one line of a table that must be narrow
+WIDEST = 10_000
 
 
 def print_summary(console: Console, score: dict[str, Any], table: Table | None = None) -> None:
@@ -49,7 +56,10 @@ def core_table(score: dict[str, Any]) -> Table:
 
 
 def print_table(console: Console, shown: Table, title: str) -> None:
-    """Print a table under a title.
+    """Print a table under a title; numbers that belong together stay on one line.
+
+    Where all columns are too wide for the terminal, those that fit come first, and the others in
+    tables of their own below, with the same rows. A column that is too wide by itself is wrapped.
 
     Parameters
     ----------
@@ -57,10 +67,46 @@ def print_table(console: Console, shown: Table, title: str) -> None:
     shown : Table
     title : str
     """
-    table = TextTable(title=title, title_justify="left", box=box.SIMPLE_HEAD)
-    for place, head in enumerate(shown.head):
-        first = place == 0
-        table.add_column(head, justify="left" if first else "right", no_wrap=first)
+    whole = _part(shown, range(1, len(shown.head)), title, dense=False)
+    if _fits(console, whole):
+        console.print(whole)
+        return
+    first = 1
+    while first < len(shown.head):
+        last = len(shown.head)
+        while last > first + 1 and not _fits(console, _part(shown, range(first, last), title)):
+            last -= 1
+        part = _part(shown, range(first, last), title)
+        if not _fits(console, part):
+            part = _part(shown, range(first, last), title, wrapped=True)
+        console.print(part)
+        first, title = last, ""
+
+
+def _part(
+    shown: Table, columns: range, title: str, *, dense: bool = True, wrapped: bool = False
+) -> TextTable:
+    """Return some columns beside the names of the rows."""
+    table = TextTable(
+        title=title or None,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=not dense,
+        collapse_padding=dense,
+    )
+    table.add_column(shown.head[0], no_wrap=not wrapped)
+    for place in columns:
+        head = shown.head[place]
+        if dense:
+            widest = max((cell_len(row[place]) for row in shown.rows), default=0)
+            head = textwrap.fill(head, max(widest, NARROW), break_long_words=False)
+        table.add_column(head, justify="right", no_wrap=not wrapped)
     for row in shown.rows:
-        table.add_row(*row)
-    console.print(table)
+        name = textwrap.fill(row[0], LONGEST_NAME) if dense else row[0]
+        table.add_row(name, *(row[place] for place in columns))
+    return table
+
+
+def _fits(console: Console, table: TextTable) -> bool:
+    options = console.options.update(width=WIDEST)
+    return Measurement.get(console, options, table).maximum <= console.width

@@ -68,6 +68,11 @@ class Term:
 CORE_TERMS = (
     Term("frames", "Frames in the dataset.", "frames"),
     Term("with a pose", "Frames with a pose that the pipeline stands by."),
+    Term(
+        "without a pose",
+        "All others: missed, where they should have given one, or not to be had, as where too few "
+        "markers are whole, lit and in the image, or nothing had been acquired yet.",
+    ),
     Term("missed", "Frames whose own readings gave no pose although they should have."),
     Term(
         "wrong poses",
@@ -95,6 +100,7 @@ def core_cells(core: dict[str, Any]) -> list[str]:
     return [
         count(core["frames"]),
         count(core["estimated"]),
+        count(core["frames"] - core["estimated"]),
         count(core["lost"]["missed"]),
         f"{wrong['count']} ({wrong['longest']})" if wrong["count"] else count(0),
         length(position["median"]),
@@ -102,6 +108,17 @@ def core_cells(core: dict[str, Any]) -> list[str]:
         with_unit(attitude["median"], "deg"),
         with_unit(attitude["p95"], "deg"),
     ]
+
+
+def without_pose(core: dict[str, Any]) -> str:
+    """Tell of the frames of markers that have no pose which were missed and which not."""
+    without, missed = core["frames"] - core["estimated"], core["lost"]["missed"]
+    return f"{without} ({missed} missed, {unseen(core)} could not be seen)" if without else "0"
+
+
+def unseen(core: dict[str, Any]) -> str:
+    """Count the frames of markers that have no pose and were not missed."""
+    return count(core["frames"] - core["estimated"] - core["lost"]["missed"])
 
 
 def time_cells(core: dict[str, Any]) -> list[str]:

@@ -21,13 +21,21 @@ RunnerName = Annotated[
         "of a Dask scheduler. The folder must be shared with them; see docs/clusters.md"
     ),
 ]
+JOBS_HELP = f"with slurm or dask, into how many jobs the work is cut ({JOBS}); each takes "
 Jobs = Annotated[
     int | None,
     arg(
         metavar="N",
         help_behavior_hint="",
-        help=f"with slurm or dask, into how many jobs the work is cut ({JOBS}); each takes "
-        "--workers cores, or --threads where frames are rendered, one unless given",
+        help=f"{JOBS_HELP}--workers cores, one unless given",
+    ),
+]
+JobsOfFrames = Annotated[
+    int | None,
+    arg(
+        metavar="N",
+        help_behavior_hint="",
+        help=f"{JOBS_HELP}--threads cores, one unless given",
     ),
 ]
 Sbatch = Annotated[

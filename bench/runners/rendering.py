@@ -46,19 +46,24 @@ def rendered_share(verb: Render) -> Chunk | None:
 
 
 def _have_rendered(verb: Render, runner: RunnerRequest) -> None:
+    from bench.estimating.estimation import check_somebody_estimates
     from bench.runners.cluster_run import have_done
     from bench.runners.shared_case import case_work
-    from bench.verbs import Render
+    from bench.verbs import Render, Run
     from models.at_work import at_work
     from models.plain_console import plain_console
-    from renders.scenario.scenario import RenderRequest
+    from renders.batches.public_half import dataset_info
+    from renders.scenario.scenario import RenderRequest, resolve
     from renders.variant.choice import choose_variant, short_name
+    from renders.world.build import world_of
 
     # Of whatever verb, a job renders; frames of one dataset are of one kind of light.
     alone = Render(**{each.name: getattr(verb, each.name) for each in fields(Render)})
     variant = short_name(choose_variant(verb.variant))
     shared = replace(alone, variant=variant, threads=runner.workers)
     request = RenderRequest(case=verb.case, out=verb.out, **shared.options())
+    if isinstance(verb, Run):
+        check_somebody_estimates(dataset_info(world_of(resolve(request))))
     work = case_work(request, runner, typed_arguments("render", shared, NAMES))
     with at_work(verb.out, "render"):
         have_done(runner, work, plain_console(stderr=True))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,10 @@ from renders.store.budget import GB, Entry, budget_bytes, evict
 from renders.store.check import Damage, all_entries, damaged
 from renders.store.claims import Claim, forget_claims_without_light, live_claims, read_claims
 
+TITLES = ("case", "Sun", "dataset", "entries", "size", "its own", "last used")
+PLACE = TITLES.index("dataset")
+GAP = 2  # characters between columns
+LEAST_PATH = 12  # characters that are shown, however narrow the terminal
 NOBODY = "of no dataset on record"
 
 
@@ -77,21 +82,46 @@ def print_holdings(folder: Path, console: Console) -> None:
     """Print how much light lies in a store, dataset by dataset, with its size and last use."""
     entries = all_entries(existing(folder))
     found, orphans = holdings(folder, entries)
-    table = Table(box=box.SIMPLE)
-    for name in ("case", "Sun", "dataset"):
-        table.add_column(name, overflow="fold")
-    for name in ("entries", "size", "its own", "last used"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for each in found:
-        place = f"{each.claim.dataset}{f' ({each.state})' if each.state else ''}"
-        numbers = _numbers(each.entries, each.alone_bytes)
-        table.add_row(each.claim.case, each.claim.sun, place, *numbers)
+    rows = [
+        (
+            *(each.claim.case, each.claim.sun),
+            f"{each.claim.dataset}{f' ({each.state})' if each.state else ''}",
+            *_numbers(each.entries, each.alone_bytes),
+        )
+        for each in found
+    ]
     if orphans:
         own = sum(entry.cost_bytes for entry in orphans)
-        table.add_row("", "", NOBODY, *_numbers(orphans, own))
+        rows.append(("", "", NOBODY, *_numbers(orphans, own)))
     if entries:
-        console.print(table)
+        console.print(holdings_table(rows, console.width))
     console.print(_total(folder, entries), soft_wrap=True)
+
+
+def holdings_table(rows: Sequence[tuple[str, ...]], width: int) -> Table:
+    """Return a table so wide at most; of a path too long for it the end is shown, which differs.
+
+    Parameters
+    ----------
+    rows : sequence of tuple of str
+        A cell for each of ``TITLES``.
+    width : int
+        Characters.
+    """
+    table = Table(box=box.SIMPLE, pad_edge=False, collapse_padding=True)
+    for name in TITLES:
+        right = name in TITLES[3:]
+        table.add_column(name, justify="right" if right else "left", no_wrap=True)
+    widest = [
+        max(map(len, (name, *own)))
+        for name, own in zip(TITLES, zip(*rows, strict=True), strict=True)
+    ]
+    room = max(LEAST_PATH, width - sum(widest) + widest[PLACE] - GAP * len(TITLES))
+    for row in rows:
+        place = row[PLACE]
+        shown = place if len(place) <= room else f"…{place[len(place) - room + 1 :]}"
+        table.add_row(*row[:PLACE], shown, *row[PLACE + 1 :])
+    return table
 
 
 def _total(folder: Path, entries: list[Entry]) -> str:

@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
-from rich import box
-from rich.table import Table
 from tyro.conf import Positional, arg
 
 from bench.runners.arguments import typed_arguments
@@ -68,7 +66,8 @@ class Suite:
     """a small version of everything, in minutes, to see it work"""
     runs: OptionalCount = None
     """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
-    opromolla2022 (100), or starts of each target of uncooperative-suns (500)"""
+    opromolla2022 (100), or starts of each target of uncooperative-suns (500), rounded up to whole
+    sets of Suns, four starts of a motion"""
     acquisitions: OptionalCount = None
     """acquisitions of each case (1000, of which the paper's table takes the first 100), or
     attitudes of vinag2018's star camera (1000)"""
@@ -145,9 +144,7 @@ class Suite:
 
 
 def _print_summary(rows: list[list[str]]) -> None:
-    table = Table(box=box.SIMPLE)
-    for place, title in enumerate(rows[0]):
-        table.add_column(title, justify="left" if place == 0 else "right")
-    for row in rows[1:]:
-        table.add_row(*row)
-    plain_console().print(table)
+    from bench.report.summary import print_table
+    from bench.report.table import Table
+
+    print_table(plain_console(), Table(rows[0], rows[1:], {}, {}), "")

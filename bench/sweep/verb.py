@@ -10,7 +10,14 @@ from tyro.conf import Positional, arg
 
 from bench import api
 from bench.api_options import SweepOptions
-from bench.runners.options import ChunkText, Jobs, RunnerName, Sbatch, SchedulerAddress, is_shared
+from bench.runners.options import (
+    ChunkText,
+    JobsOfFrames,
+    RunnerName,
+    Sbatch,
+    SchedulerAddress,
+    is_shared,
+)
 from bench.verbs import DONE, Case, OptionalCount, OptionalFolder, OptionalNumber
 from models.plain_console import plain_console
 
@@ -79,7 +86,7 @@ class Sweep:
     memory_gb: Annotated[float, arg(metavar="NUMBER")] = 4.0
     """memory that the rendering process may take, in GiB: it sets how many Suns share a pass"""
     runner: RunnerName = "local"
-    jobs: Jobs = None
+    jobs: JobsOfFrames = None
     sbatch: Sbatch = ()
     scheduler: SchedulerAddress = None
     chunk: ChunkText = None

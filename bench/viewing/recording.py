@@ -17,7 +17,7 @@ from bench.report.time_plot import TimePlot, size_plots
 from bench.scoring.score import shown_labels
 from bench.viewing.recorded_scene import CAMERA, ORBIT, TRUE, RecordedScene
 from bench.viewing.rerun_sdk import loaded_rerun
-from models.atomic_file import whole_or_absent
+from models.atomic_file import sweep_beside, whole_or_absent
 
 LOST, PLOTS = "lost", "plots"
 TWO_SIDED = ("band", "bound")
@@ -47,6 +47,7 @@ def write_recording(folder: Path, path: Path) -> None:
     plots = _plots(given)
     dataset, labels = given.records.dataset, shown_labels(given.score)
     estimates = {label: read_run(dataset, 0, label).estimates for label in labels}
+    sweep_beside(path)
     with whole_or_absent(path) as scratch:
         stream = rerun.RecordingStream("rvbench", recording_id=dataset.fingerprint()[:32])
         scene = RecordedScene(rerun, stream, given.records, estimates, given.label)

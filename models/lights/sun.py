@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from models.arrays import Floats
 from models.errors import ScenarioError
 from models.lights.solar_spectrum import band_irradiance_w_m2
+from models.lights.sun_names import SUN_NAMES
 
 ANGULAR_DIAMETER_DEG = 0.533  # at 1 au
 
@@ -134,7 +135,7 @@ def sun_direction(text: str) -> Floats:
         vector = [float(part) for part in name.split(",")]
     except ValueError as error:
         raise ScenarioError(
-            f"expected a Sun among {', '.join(SUN_CASES_DEG)}, E-SB, E-S1 to E-S36 or a vector "
-            f"x,y,z in the target frame, got {text!r}"
+            f"expected a Sun among {SUN_NAMES} (`rvbench list`) or a vector x,y,z in the target "
+            f"frame, got {text!r}"
         ) from error
     return unit_direction(vector)

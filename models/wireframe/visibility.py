@@ -15,7 +15,8 @@ from models.arrays import Floats, Mask
 from models.pose import RigidTransform
 from models.wireframe.wireframe import Wireframe
 
-CLEAR_M = 0.03  # nearer than this to a landmark a face is its own, and hides nothing
+CLEAR_M = 0.03  # less than this above a landmark a face is its own, and hides nothing,
+GRAZING_TIMES = 10.0  # along the ray within so much more: a landmark lies between a sheet's sides
 CLEAR_SHARE = 0.01  # of the target's radius: of a target below 3 m this is less
 NEAR_M = 1e-6  # nearer than this to the camera's plane is not in front
 
@@ -108,8 +109,9 @@ def _clear_m(wireframe: Wireframe) -> float:
     """Return how near to a landmark a face is its own, m."""
     if not len(wireframe.triangles_in_target):
         return CLEAR_M
-    farthest = float(np.abs(wireframe.triangles_in_target).max())
-    return min(CLEAR_M, CLEAR_SHARE * farthest)
+    corners = wireframe.triangles_in_target.reshape(-1, 3)
+    farthest_m = float(np.sqrt(np.einsum("ij,ij->i", corners, corners).max()))
+    return min(CLEAR_M, CLEAR_SHARE * farthest_m)
 
 
 def _meet(triangles: Floats, ways: Floats, clear_m: float) -> Mask:
@@ -125,7 +127,8 @@ def _meet(triangles: Floats, ways: Floats, clear_m: float) -> Mask:
     ways : (f, n, 3) or (1, n, 3) array, m
         The segments that each triangle is asked about.
     clear_m : float, m
-        From the far end; nearer than this nothing is met.
+        Nothing is met nearer than this to the far end, nor by a face of which the far end lies less
+        than this behind within ``GRAZING_TIMES`` as much of the way.
     """
     corner = triangles[:, 0]
     first, second = triangles[:, 1] - corner, triangles[:, 2] - corner
@@ -140,6 +143,11 @@ def _meet(triangles: Floats, ways: Floats, clear_m: float) -> Mask:
     u, v = sign * u, sign * v
     ahead = sign * np.einsum("ij,ij->i", corner, normal)[:, None]
     length = np.linalg.norm(ways, axis=-1)
-    short = 1.0 - clear_m / np.maximum(length, 2.0 * clear_m)
-    meets = (u >= 0.0) & (v >= 0.0) & (u + v <= size) & (ahead > 0.0) & (ahead < short * size)
+    near, far = (
+        1.0 - times * clear_m / np.maximum(length, 2.0 * times * clear_m)
+        for times in (1.0, GRAZING_TIMES)
+    )
+    above = size - clear_m * np.linalg.norm(normal, axis=1)[:, None]
+    before = (ahead < near * size) & ((ahead < above) | (ahead < far * size))
+    meets = (u >= 0.0) & (v >= 0.0) & (u + v <= size) & (ahead > 0.0) & before
     return np.asarray(meets)

@@ -16,6 +16,7 @@ from pipelines.pnp.solver_options import LevenbergMarquardtOptions
 
 Centroiding: TypeAlias = Literal["weighted_blob", "disc_fit", "cube_fit"]
 Identification: TypeAlias = Literal["nearest_neighbour", "one_to_one"]
+CalibrationUse: TypeAlias = Literal["unknown", "stated", "weighed"]
 
 VARIANTS = ("paper", "best")
 
@@ -60,6 +61,10 @@ class ChaserFixedOptions:
         Whether to look round the predicted markers first, and at the whole image only in need.
     verify : bool
         Whether to reject outlying matches, and to try P3P hypotheses where the matches disagree.
+    calibration : str
+        What the told errors of the camera's calibration, common to all markers, are used for.
+        ``unknown``: nothing; ``stated``: no marker is refused for them and the covariance has them,
+        the pose does not; ``weighed``: the pose, too, is that of least squares with all errors.
     pair_gap_s : float, s
         From the 800 nm exposure to the 850 nm one (Table 1: 30 Hz); the disc fit takes the motion
         between them out. 0 takes the images as they are.
@@ -101,6 +106,7 @@ class ChaserFixedOptions:
     prediction: Prediction = "last_pose"
     search_regions: bool = False
     verify: bool = False
+    calibration: CalibrationUse = "unknown"
     pair_gap_s: float = 0.033
     psf_sigma_px: float = 0.5
     psf_tolerance_px: float = 0.25
@@ -146,6 +152,7 @@ BEST = ChaserFixedOptions(
     prediction="constant_velocity",
     search_regions=True,
     verify=True,
+    calibration="weighed",
     max_residual_radii=0.3,
 )
 

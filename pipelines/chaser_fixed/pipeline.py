@@ -11,11 +11,11 @@ Source: Opromolla, Vela, Nocerino and Lombardi 2022, Remote Sensing 14(18), 4483
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.arrays import Floats, Indices
+from models.arrays import Floats, Indices, Mask
 from models.errors import DatasetError
 from models.estimate import Detections, Estimate, PoseEstimate
 from models.frame import Frame
@@ -26,7 +26,7 @@ from pipelines.detection.area_opening import expected_radius_px
 from pipelines.detection.candidates import Candidates
 from pipelines.detection.disc_fit import ExpectedBlur
 from pipelines.detection.global_threshold import detect_by_global_threshold
-from pipelines.detection.image_difference import Region, swapped
+from pipelines.detection.image_difference import Region, shines_swapped, swapped
 from pipelines.detection.image_pair import ImagePair, image_pair
 from pipelines.detection.marker_search import (
     PredictedMarkers,
@@ -36,6 +36,7 @@ from pipelines.detection.marker_search import (
     search,
     within_gate,
 )
+from pipelines.pnp.chance_match import MOST_FALSE_ALARMS, false_alarms
 from pipelines.pnp.flight_knowledge import FlightKnowledge
 from pipelines.pnp.hypotheses import FAR_CHI2, propose_match
 from pipelines.pnp.identification import (
@@ -43,18 +44,23 @@ from pipelines.pnp.identification import (
     nearest_neighbour,
     one_to_one,
 )
+from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
+from pipelines.pnp.problem import PnpProblem
 from pipelines.pnp.robust_pose import solve_match
-from pipelines.pnp.told_errors import CAMERA_STEPS, place_covariance_px2, with_common_errors
+from pipelines.pnp.told_errors import (
+    calibration_errors_px,
+    place_covariance_px2,
+    with_common_errors,
+)
 
 __all__ = ["VARIANTS", "ChaserFixed", "ChaserFixedOptions", "options_for"]
 
 COARSE_SIGMA_PX = 0.1  # of a blob's centroid before its disc is fitted,
 COARSE_SIGMA_RADII = 0.05  # and what brightness ramps and survey errors add, in radii
 MOST_GROWTH = 4.0
-CALIBRATION = frozenset(f"camera.{key}" for key in CAMERA_STEPS)
 FARTHEST_M = 1e6  # beyond it no marker is a pixel, in any camera
 
 
@@ -91,6 +97,7 @@ class ChaserFixed:
         self._markers = knowledge.markers
         self._options = options
         self._sigmas = dict(sigmas or {})
+        self._calibration = {k: each for k, each in self._sigmas.items() if k.startswith("camera.")}
         self._motion = MotionPrediction(knowledge, options)
         self._focal_px = 0.5 * (knowledge.camera.fx + knowledge.camera.fy)
         self._blur = ExpectedBlur(
@@ -130,12 +137,14 @@ class ChaserFixed:
         solution = sighting.outcome
         if self._options.centroiding != "weighted_blob":
             solution = self._refined(pair, frame.time_s, solution, predicted)
-        self._motion.found(frame.time_s, solution.pose, solution.covariance)
-        stated = self._stated_covariance(solution)
+        if self._options.calibration == "stated":
+            solution = self._by_own_noise(solution)
+        # The pose of the next frame errs alike by the calibration: what predicts it does without.
+        self._motion.found(frame.time_s, solution.pose, solution.scatter)
         return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            pose=PoseEstimate(solution.pose, stated, solution.residual_rms_px),
+            pose=PoseEstimate(solution.pose, solution.covariance, solution.residual_rms_px),
             detections=self._detections(sighting, solution),
         )
 
@@ -191,10 +200,11 @@ class ChaserFixed:
         cost = pair_costs(points, markers, sigma)
         near = within_gate(points, markers, self._gate_px(predicted))
         allowed = near | (cost < self._options.region_sigmas**2)
+        searched_px = float(sum(region.pixels for region in regions))
         matched = one_to_one(cost, allowed)
         match = self._match(candidates, matched, sigma)
         outcome = self._solved(match, predicted.pose, radius, predicted)
-        outcome = self._plausible(outcome, predicted)
+        outcome = self._plausible(outcome, predicted, markers, candidates, allowed, searched_px)
         if isinstance(outcome, str) and self._options.verify and len(candidates) >= 4:
             proposed = propose_match(
                 self._camera, self._markers, points, allowed, predicted, max(3.0, 0.5 * radius)
@@ -203,7 +213,9 @@ class ChaserFixed:
                 pose, voted = proposed
                 match = self._match(candidates, voted, sigma)
                 outcome = self._solved(match, pose, radius, predicted)
-                outcome = self._plausible(outcome, predicted)
+                outcome = self._plausible(
+                    outcome, predicted, markers, candidates, allowed, searched_px
+                )
         return _Sighting(candidates, outcome)
 
     # From matches to a pose.
@@ -211,17 +223,46 @@ class ChaserFixed:
     def _solved(
         self, match: Match, start: RigidTransform, radius_px: float, predicted: PredictedPose
     ) -> Solution | str:
+        if self._options.calibration != "unknown":
+            ideal = self._camera.normalise(match.points_px)
+            shared = calibration_errors_px(self._camera, ideal, self._sigmas)
+            match = replace(match, common_px=shared)
         return solve_match(
             self._camera, self._markers, match, start, radius_px, self._options, predicted
         )
 
-    def _plausible(self, outcome: Solution | str, predicted: PredictedPose) -> Solution | str:
-        """Refuse a pose far from the prediction that has next to no match to spare."""
-        if isinstance(outcome, str) or outcome.used.sum() > self._options.min_markers:
+    def _plausible(
+        self,
+        outcome: Solution | str,
+        predicted: PredictedPose,
+        markers: PredictedMarkers,
+        candidates: Candidates,
+        allowed: Mask,
+        searched_px: float,
+    ) -> Solution | str:
+        """Refuse a pose that chance could have made, or far off with next to no match to spare."""
+        if isinstance(outcome, str) or not self._options.verify:
             return outcome
-        if not self._options.verify or predicted.squared_distance(outcome.pose) < FAR_CHI2:
+        agreeing = int(outcome.used.sum())
+        reach_px = self._options.outlier_sigmas * self._coarse_sigma_px(markers.radius_px)
+        expected = false_alarms(
+            agreeing,
+            int(markers.outlines.facing.sum()),
+            int(allowed.sum()) - agreeing,
+            len(candidates) - agreeing,
+            searched_px,
+            reach_px,
+        )
+        if expected > MOST_FALSE_ALARMS:
+            return (
+                f"{agreeing} of {len(candidates)} candidates agree with a pose, as chance could "
+                "have it where so little is foreseen"
+            )
+        if agreeing > self._options.min_markers:
             return outcome
-        return f"{int(outcome.used.sum())} matched markers give a pose far from the predicted one"
+        if predicted.squared_distance(outcome.pose) < FAR_CHI2:
+            return outcome
+        return f"{agreeing} matched markers give a pose far from the predicted one"
 
     def _refined(
         self, pair: ImagePair, time_s: float, coarse: Solution, predicted: PredictedPose
@@ -252,25 +293,23 @@ class ChaserFixed:
         )
         return refined
 
+    def _by_own_noise(self, solution: Solution) -> Solution:
+        """Solve again without what the calibration may be wrong by, which is only stated."""
+        kept = solution.match.kept(solution.used)
+        points = self._markers.points_in_target[kept.marker]
+        problem = PnpProblem.weighted(self._camera, points, kept.points_px, kept.covariance_px2)
+        pose = solve_pose(problem, solution.pose, self._options.solver).pose
+        stated, scatter = (
+            with_common_errors(self._camera, points, pose, kept.covariance_px2, told)
+            for told in (self._calibration, {})
+        )
+        return replace(solution, pose=pose, covariance=stated, scatter=scatter)
+
     def _as_surveyed(self, match: Match, pose: RigidTransform) -> Match:
         """Widen each point's covariance by what its marker's survey may be wrong by."""
         points = self._markers.points_in_target[match.marker]
         wider = place_covariance_px2(self._camera, points, pose, self._sigmas)
         return Match(match.points_px, match.covariance_px2 + wider, match.marker)
-
-    def _stated_covariance(self, solution: Solution) -> Floats:
-        """Add what the camera's calibration does to all points together.
-
-        The pose of the next frame errs by it alike: what predicts that frame does without.
-        """
-        calibration = {k: sigma for k, sigma in self._sigmas.items() if k in CALIBRATION}
-        if not calibration or self._options.centroiding == "weighted_blob":
-            return solution.covariance
-        kept = solution.match.kept(solution.used)
-        points = self._markers.points_in_target[kept.marker]
-        return with_common_errors(
-            self._camera, points, solution.pose, kept.covariance_px2, calibration
-        )
 
     # What to say.
 
@@ -311,6 +350,8 @@ class ChaserFixed:
 
     def _explained(self, pair: ImagePair, predicted: PredictedPose, reason: str) -> str:
         """Say so if the pair makes sense the other way round."""
+        if not shines_swapped(pair):
+            return reason
         if not isinstance(self._look(swapped(pair), predicted).outcome, str):
             return (
                 "the markers shine in the 800 nm image, not in the 850 nm one: "

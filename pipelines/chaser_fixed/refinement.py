@@ -25,7 +25,8 @@ from pipelines.pnp.match import Match
 LEAST_RADIUS_PX = 0.9  # below, a disc has no edge to fit
 LEAST_HEIGHT_SIGMAS = 8.0
 SIZE_LIMITS = (0.75, 1.33)
-EVEN_LIMITS = (-0.3, 1.3)  # of the share that a cube returns evenly: beyond, it is cut
+CUT_SIZE = 0.9  # a cube that is cut from a side is fitted smaller,
+EVEN_LIMITS = (-0.3, 1.3)  # and as if it returned more or less than this share evenly
 FURTHEST_MOTION_PX = 2.0  # within a pair; beyond it the velocity is not to be believed
 FURTHEST_RADII = 0.5  # a disc further from where the pose says is another thing
 
@@ -51,12 +52,13 @@ def _believable(fit: DiscFit, radius_px: float, options: ChaserFixedOptions) -> 
     """Refuse what is faint, cut, of another size, or elsewhere."""
     reach = max(2.0, FURTHEST_RADII * radius_px)
     even = fit.parameters.shares[:1]
+    foreseen = (even > EVEN_LIMITS[0]) & (even < EVEN_LIMITS[1])
     return bool(
         fit.parameters.height_dn > LEAST_HEIGHT_SIGMAS * fit.height_sigma_dn
         and fit.shape_misfit < options.max_misfit
         and SIZE_LIMITS[0] < fit.parameters.size < SIZE_LIMITS[1]
         and np.hypot(*fit.parameters.centre_px) < reach
-        and ((even > EVEN_LIMITS[0]) & (even < EVEN_LIMITS[1])).all()
+        and (fit.parameters.size > CUT_SIZE or foreseen.all())
     )
 
 

@@ -16,6 +16,7 @@ from models.arrays import Floats, Image, Mask
 from models.sensors.camera_chip import Detector
 from pipelines.detection.image_pair import ImagePair
 
+SWAPPED_TIMES = 2.0  # of noise alone, the largest steps up and down are about alike
 SATURATION_SIGMAS = 5.0  # of read noise, below the full well's level
 
 
@@ -94,6 +95,19 @@ def saturated(pair: ImagePair, detector: Detector, region: Region | None = None)
         return None
     mask = cv2.compare(brighter, level, cv2.CMP_GE)
     return np.asarray(cv2.dilate(mask, np.ones((3, 3), np.uint8)) > 0)
+
+
+def shines_swapped(pair: ImagePair) -> bool:
+    """Tell whether something outshines, at 800 nm, all that shines only at 850 nm.
+
+    Markers do where the images are exchanged; noise does not, on either side of zero.
+
+    Parameters
+    ----------
+    pair : ImagePair
+    """
+    step = pair.image_850.astype(np.int32) - pair.image_800
+    return bool(-step.min() > SWAPPED_TIMES * max(step.max(), 0))
 
 
 def swapped(pair: ImagePair) -> ImagePair:

@@ -28,7 +28,8 @@ def deletion_gains(
 
     A solver pulls itself towards a wrong match and hides its error among the others; leaving
     matches out, to first order ``r^T (I - J (J^T J)^-1 J^T)^-1 r`` over their residuals, undoes
-    that (Cook and Weisberg 1982).
+    that (Cook and Weisberg 1982). Where observations share errors, what is left out is the
+    directions that an error of these matches alone would take among the whitened residuals.
 
     Parameters
     ----------
@@ -40,12 +41,14 @@ def deletion_gains(
     """
     residuals = problem.residuals(pose.rotation, pose.translation).reshape(-1)
     basis, _ = np.linalg.qr(problem.jacobian(pose.rotation, pose.translation))
+    errors = problem.decorrelating
     gains = {}
     for chosen in combinations(range(len(problem)), together):
         rows = [2 * index + axis for index in chosen for axis in (0, 1)]
-        left = np.eye(len(rows)) - basis[rows] @ basis[rows].T
-        values, vectors = np.linalg.eigh(left)
-        turned = vectors.T @ residuals[rows]
+        ways, _ = np.linalg.qr(errors[:, rows])
+        fitted = basis.T @ ways
+        values, vectors = np.linalg.eigh(np.eye(len(rows)) - fitted.T @ fitted)
+        turned = vectors.T @ (ways.T @ residuals)
         gains[chosen] = float(np.sum(turned**2 / np.maximum(values, LEAST_FREEDOM)))
     return gains
 
@@ -106,7 +109,9 @@ def _chi2_without(
     return solve_pose(problem.subset(keep), pose, solver).chi2
 
 
-def common_variance_px2(residuals_px: Floats, covariance_px2: Floats) -> float:
+def common_variance_px2(
+    residuals_px: Floats, covariance_px2: Floats, common_px: Floats | None = None
+) -> float:
     """Return the variance which, added to every axis of every point, explains the residuals, px^2.
 
     Zero where they are explained already. This is the moment estimate of a random effect
@@ -116,6 +121,8 @@ def common_variance_px2(residuals_px: Floats, covariance_px2: Floats) -> float:
     ----------
     residuals_px : (n, 2) array, px
     covariance_px2 : (n, 2, 2) array, px^2
+    common_px : (n, 2, k) array, px, optional
+        What k errors that all points share, 1 sigma of each, do to them.
     """
     freedom = 2 * len(residuals_px) - 6
     if freedom < 1:
@@ -124,7 +131,14 @@ def common_variance_px2(residuals_px: Floats, covariance_px2: Floats) -> float:
     def excess(sigma_px: float) -> float:
         wider = covariance_px2 + sigma_px**2 * np.eye(2)
         solved = np.linalg.solve(wider, residuals_px[..., None])[..., 0]
-        return float((residuals_px * solved).sum()) - freedom
+        alone = float((residuals_px * solved).sum()) - freedom
+        if common_px is None:
+            return alone
+        # Woodbury's identity: the shared errors explain their part of it.
+        weighed = np.linalg.solve(wider, common_px)
+        pull = np.einsum("nik,ni->k", common_px, solved)
+        shared = np.eye(common_px.shape[2]) + np.einsum("nik,nil->kl", common_px, weighed)
+        return alone - float(pull @ np.linalg.solve(shared, pull))
 
     if (
         excess(0.0) + freedom <= chi_square_quantile(CALM, freedom)

@@ -37,6 +37,27 @@ def pose_covariance(problem: PnpProblem, pose: RigidTransform) -> Floats | None:
     return np.asarray(0.5 * (covariance + covariance.T))
 
 
+def pose_scatter(problem: PnpProblem, pose: RigidTransform, covariance: Floats) -> Floats:
+    """Return the part of a pose's covariance that errors common to its points have none in.
+
+    Parameters
+    ----------
+    problem : PnpProblem
+        Weighted.
+    pose : RigidTransform
+    covariance : (6, 6) array, rad and m
+        See ``pose_covariance``.
+
+    Returns
+    -------
+    (6, 6) array, rad and m
+    """
+    if problem.common is None:
+        return covariance
+    pull = covariance @ problem.jacobian(pose.rotation, pose.translation).T @ problem.decorrelating
+    return np.asarray(pull @ pull.T)
+
+
 def residual_variance(problem: PnpProblem, pose: RigidTransform) -> float | None:
     """Return the variance of an observation from its residuals; None with nothing to spare."""
     freedom = 2 * len(problem) - 6

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,11 +20,15 @@ class Match:
     covariance_px2 : (n, 2, 2) array, px^2
     marker : (n,) int array
         Index of each point's marker; no marker occurs twice.
+    common_px : (n, 2, k) array, px, optional
+        What k errors that all points share (a calibration's), 1 sigma of each, do to them; the
+        covariances are of the rest.
     """
 
     points_px: Floats
     covariance_px2: Floats
     marker: Indices
+    common_px: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.marker)
@@ -36,12 +40,16 @@ class Match:
 
     def kept(self, keep: Mask) -> Match:
         """Return only the pairs marked True, of (n,)."""
-        return Match(self.points_px[keep], self.covariance_px2[keep], self.marker[keep])
+        return Match(
+            self.points_px[keep],
+            self.covariance_px2[keep],
+            self.marker[keep],
+            None if self.common_px is None else self.common_px[keep],
+        )
 
     def widened(self, variance_px2: float) -> Match:
         """Add a variance, the same to every axis of every point."""
-        wider = self.covariance_px2 + variance_px2 * np.eye(2)
-        return Match(self.points_px, wider, self.marker)
+        return replace(self, covariance_px2=self.covariance_px2 + variance_px2 * np.eye(2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +62,8 @@ class Solution:
         ``cam_from_target``.
     covariance : (6, 6) array, rad and m
         Rotation first, as in ``RigidTransform.perturbed``.
+    scatter : (6, 6) array, rad and m
+        The part of it that is not common to the poses of one camera.
     match : Match
         All pairs offered, with the covariances that the solver believed in the end.
     used : (n,) array of bool
@@ -64,6 +74,7 @@ class Solution:
 
     pose: RigidTransform
     covariance: Floats
+    scatter: Floats
     match: Match
     used: Mask
     residual_rms_px: float

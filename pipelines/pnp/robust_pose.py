@@ -9,7 +9,7 @@ from models.camera import Camera
 from models.markers import MarkerPattern
 from models.pose import RigidTransform
 from pipelines.pnp.consistency import common_variance_px2, find_outliers
-from pipelines.pnp.covariance import pose_covariance, residual_variance
+from pipelines.pnp.covariance import pose_covariance, pose_scatter, residual_variance
 from pipelines.pnp.levenberg_marquardt import solve_pose
 from pipelines.pnp.match import Match, Solution
 from pipelines.pnp.mirrored_pose import DECISIVE_CHI2, mirrored_pose, misfit, rival_of
@@ -43,7 +43,9 @@ def _problem(
     points = markers.points_in_target[match.marker]
     if options.solver.parametrisation == "euler_321":
         return PnpProblem.unweighted(camera, points, match.points_px)
-    return PnpProblem.weighted(camera, points, match.points_px, match.covariance_px2)
+    return PnpProblem.weighted(
+        camera, points, match.points_px, match.covariance_px2, match.common_px
+    )
 
 
 def solve_match(
@@ -161,7 +163,8 @@ def _reweighted(
     wider = match
     for _ in range(REWEIGHTINGS):
         left = residuals_px(camera, markers, match, pose)[used]
-        variance = common_variance_px2(left, match.covariance_px2[used])
+        kept = match.kept(used)
+        variance = common_variance_px2(left, kept.covariance_px2, kept.common_px)
         if variance == 0.0:
             return match, pose
         wider = match.widened(variance)
@@ -194,7 +197,8 @@ def _checked(
         return f"the {int(used.sum())} matched markers do not determine a pose"
     if options.solver.parametrisation == "euler_321":
         covariance, match = _measured_scale(camera, match, problem, pose, covariance, options)
-    return Solution(pose, covariance, match, used, rms_px)
+    scatter = pose_scatter(problem, pose, covariance)
+    return Solution(pose, covariance, scatter, match, used, rms_px)
 
 
 def _measured_scale(

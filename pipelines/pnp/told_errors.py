@@ -8,8 +8,6 @@ covariance of a pose is ``A S A'`` with S that of all points together.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -18,10 +16,8 @@ from models.camera import DISTORTION_ORDER, Camera
 from models.pose import RigidTransform
 from pipelines.pnp.projection_jacobian import jacobian_by_turn
 
-CAMERA_STEPS = {"fx": 1e-3, "fy": 1e-3, "cx": 1e-3, "cy": 1e-3} | dict.fromkeys(
-    DISTORTION_ORDER, 1e-6
-)
-"""Keys of a camera, and by how much each is moved to see what it does."""
+CALIBRATION = ("fx", "fy", "cx", "cy", *DISTORTION_ORDER)
+"""Keys of a camera that a calibration may have wrong."""
 PLACE = "markers.point_in_target_m"
 
 
@@ -47,13 +43,10 @@ def common_covariance_px2(
     count = len(points_in_target)
     in_cam = pose @ points_in_target
     common = np.zeros((2 * count, 2 * count))
-    for key, step in CAMERA_STEPS.items():
-        sigma = sigmas.get(f"camera.{key}", 0.0)
-        if sigma > 0.0:
-            value = float(getattr(camera, key))
-            low, high = _with(camera, key, value - step), _with(camera, key, value + step)
-            moved = (high.project(in_cam) - low.project(in_cam)).reshape(-1) / (2.0 * step)
-            common += sigma**2 * np.outer(moved, moved)
+    shared = calibration_errors_px(camera, in_cam[:, :2] / in_cam[:, 2:], sigmas)
+    if shared is not None:
+        moved = shared.reshape(2 * count, -1)
+        common += moved @ moved.T
     for index, own in enumerate(place_covariance_px2(camera, points_in_target, pose, sigmas)):
         rows = slice(2 * index, 2 * index + 2)
         common[rows, rows] += own
@@ -76,9 +69,49 @@ def place_covariance_px2(
     return np.asarray(sigmas.get(PLACE, 0.0) ** 2 * by_place @ by_place.transpose(0, 2, 1))
 
 
-def _with(camera: Camera, key: str, value: float) -> Camera:
-    changes: dict[str, Any] = {key: value}
-    return replace(camera, **changes)
+def calibration_errors_px(
+    camera: Camera, ideal: Floats, sigmas: Mapping[str, float]
+) -> Floats | None:
+    """Return what one sigma of each number of a calibration does to points, (n, 2, k) px.
+
+    None where nothing of it is told to be uncertain.
+
+    Parameters
+    ----------
+    camera : Camera
+    ideal : (n, 2) array
+        Undistorted normalised coordinates.
+    sigmas : mapping of str to float
+        As on board: ``camera.fx`` and so on.
+    """
+    told = {key: sigmas.get(f"camera.{key}", 0.0) for key in CALIBRATION}
+    slopes = _calibration_slopes(camera, ideal)
+    shared = [sigma * slopes[key] for key, sigma in told.items() if sigma > 0.0]
+    return np.stack(shared, axis=-1) if shared else None
+
+
+def _calibration_slopes(camera: Camera, ideal: Floats) -> dict[str, Floats]:
+    """Return how points move with each number of a calibration, by its key, (n, 2) each.
+
+    They are linear in each of them (Brown 1966, in OpenCV's order).
+    """
+    focal = np.array([camera.fx, camera.fy])
+    x, y = ideal.T
+    square = (ideal * ideal).sum(axis=1, keepdims=True)
+    distorted = camera.distort(ideal)
+    across, down = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+    twist = 2.0 * x * y
+    return {
+        "fx": distorted * across,
+        "fy": distorted * down,
+        "cx": np.broadcast_to(across, ideal.shape),
+        "cy": np.broadcast_to(down, ideal.shape),
+        "k1": focal * ideal * square,
+        "k2": focal * ideal * square**2,
+        "p1": focal * np.stack([twist, square[:, 0] + 2.0 * y * y], axis=1),
+        "p2": focal * np.stack([square[:, 0] + 2.0 * x * x, twist], axis=1),
+        "k3": focal * ideal * square**3,
+    }
 
 
 def _by_place(camera: Camera, points_in_target: Floats, pose: RigidTransform) -> Floats:

@@ -25,9 +25,10 @@ from models.camera import Camera
 from pipelines.unknown_target import robust_weights
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.batch_solution import BatchSolution
-from pipelines.unknown_target.descent import Descent, predicted_shift, surprise
+from pipelines.unknown_target.descent import Descent, bend, surprise, weights_of
 from pipelines.unknown_target.facet_in_sight import facet_in_sight
 from pipelines.unknown_target.free_tumble import FreeTumble
+from pipelines.unknown_target.hull_planes import HullPlanes
 from pipelines.unknown_target.observation_rows import (
     Epochs,
     Placed,
@@ -37,10 +38,10 @@ from pipelines.unknown_target.observation_rows import (
 )
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.other_starts import flat, mirrored
-from pipelines.unknown_target.point_tracks import FEW, PointTracks, agreeing, first_places
+from pipelines.unknown_target.outline_memory import OutlineMemory
+from pipelines.unknown_target.point_tracks import FEW, PointTracks, first_places
 from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges, Sightings, facets_found
-from pipelines.unknown_target.silhouettes import Silhouettes
 from pipelines.unknown_target.start_guess import StartGuess
 from pipelines.unknown_target.tracked_frame import TrackedFrame
 from pipelines.unknown_target.unknowns import (
@@ -81,19 +82,18 @@ class BatchEstimator:
         self._equations = self._prior.equations(self._at)
         self._solved = self._equations.solve()
         self._sightings, self._ranges = Sightings.none(), Ranges.none()
-        self._silhouettes = Silhouettes(camera)
+        self._outlines = OutlineMemory(camera, options.outline_px, options.gate_sigmas)
         self._frozen: tuple[ArrowEquations, Unknowns] | None = None
         self._epochs: Epochs | None = None
         self._start_s, self._linearised_at = 0.0, 0
-        self._hull_known = False
         self._looked_at = options.every_frame_until
 
     def add(self, frame: TrackedFrame) -> None:
         """Take in a frame; its time is after those of all before."""
         self._note(frame)
-        if frame.covered is not None and self._options.range_to == "hull":
-            self._silhouettes.add(len(self._known_epochs.times_s) - 1, frame.covered)
         epochs, number = self._known_epochs, len(self._known_epochs.times_s) - 1
+        if frame.covered is not None and self._options.range_to == "hull":
+            self._outlines.add(number, frame.covered)
         if epochs.times_s[-1] > self._tumble.until_s:
             self._linearise()
         seen = self._camera.normalise(frame.points_px)
@@ -104,6 +104,7 @@ class BatchEstimator:
         self._sightings = self._sightings.followed_by(known)
         if frame.range_m is not None and frame.range_sigma_m is not None:
             self._take_range(number, frame.range_m, frame.range_sigma_m, known)
+        self._take_outline(number)
         self._solved = self._equations.solve()
         count, options = number + 1, self._options
         if (
@@ -126,6 +127,7 @@ class BatchEstimator:
             self._tracks.live,
             self._options.lost_share,
             self._options.most_sigma_m,
+            self._options.shape_sigma_m,
         )
 
     @property
@@ -167,24 +169,14 @@ class BatchEstimator:
         sizes = surprise(rows, self._solved)
         young = len(self._known_epochs.times_s) <= 2 * self._options.every_frame_until
         spread = robust_weights.spread(sizes, 2) if young else 1.0
-        self._add(rows, robust_weights.weights(sizes, self._options.gate_sigmas * spread))
+        weights = robust_weights.weights(sizes, self._options.gate_sigmas * spread)
+        self._add(rows, weights / self._options.alike_sightings)
 
     def _bend(self, known: Sightings) -> float:
-        """Return how wrong the lines are by now: the square of what the last image misses them by.
-
-        Each image so far misses them by about as much, and all of them count.
-        """
         if not len(known):
             return 0.0
         where, frame = self._placed(known.frame)
-        at, step = self._at, self._solved
-        straight = sighting_rows(where, at.points, frame, known.who, known.seen, known.sigma)
-        curved = sighting_rows(
-            where.moved(step.shared), at.points + step.points, frame, known.who, known.seen,
-            known.sigma,
-        )  # fmt: skip
-        missed = curved.error - straight.error + predicted_shift(straight, self._solved)
-        return float(np.nansum(missed**2))
+        return bend(where, self._at.points, replace(known, frame=frame), self._solved)
 
     def _give_birth(self, number: int) -> None:
         """Make points of the tracks whose sightings agree; false ones among them are dropped."""
@@ -194,16 +186,10 @@ class BatchEstimator:
         where, frame = self._placed(waiting.frame)
         own = Sightings(frame, waiting.who, waiting.seen, waiting.sigma)
         reach_m = self._options.birth_reach * self._prior.point_information**-0.5
-        places, first = first_places(where, own), []
-        point = np.full(len(waiting), -1, dtype=np.int64)
-        for place, name in enumerate(tracks):
-            of_track = np.flatnonzero(waiting.who == place)
-            of_track = of_track[agreeing(places[of_track], reach_m)]
-            if len(of_track) >= self._options.births:
-                point[of_track] = self._tracks.give_birth(name)
-                first.append(np.median(places[of_track], axis=0))
-        if first:
-            self._make_room(np.array(first))
+        places = first_places(where, own)
+        point, first = self._tracks.give_births(tracks, waiting.who, places, reach_m)
+        if len(first):
+            self._make_room(first)
             kept = point >= 0
             born = Sightings(waiting.frame, point, waiting.seen, waiting.sigma).take(kept)
             rows = sighting_rows(
@@ -211,7 +197,8 @@ class BatchEstimator:
             )
             sizes = rows.sizes
             gate = self._options.gate_sigmas * robust_weights.spread(sizes, 2)
-            self._add(rows, robust_weights.weights(sizes, gate))
+            weights = robust_weights.weights(sizes, gate)
+            self._add(rows, weights / self._options.alike_sightings)
             self._sightings = self._sightings.followed_by(born)
             self._solved = self._equations.solve()
 
@@ -228,17 +215,31 @@ class BatchEstimator:
 
     def _take_range(self, number: int, range_m: float, sigma_m: float, known: Sightings) -> None:
         facet = facet_in_sight(known.seen, known.who)
-        share = self._shares(np.array([number]))[0] if self._hull_known else np.nan
-        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet, share)
+        plane = (
+            self._planes(np.array([number])) if self._outlines.hull_known else HullPlanes.none(1)
+        )
+        self._ranges = self._ranges.with_one(number, range_m, sigma_m, facet, plane)
         if not len(self._at.points):
             return
-        where, frame = self._placed(np.array([number]))
-        one = replace(self._ranges.take(slice(-1, None)), frame=frame)
-        rows = self._range_rows(where, one, self._at)
-        weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
-        self._add(rows, weights / self._options.alike_ranges)
+        where, place = self._placed(np.array([number, max(int(plane.view[0]), 0)]))
+        plane = replace(plane, view=np.where(plane.known, place[1:], plane.view))
+        one = replace(self._ranges.take(slice(-1, None)), frame=place[:1], planes=plane)
+        for rows in self._range_rows(where, one, self._at):
+            sizes = surprise(rows, self._solved)
+            weights = robust_weights.weights(sizes, self._options.gate_sigmas)
+            self._add(rows, weights / self._options.alike_ranges)
 
-    def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> Rows:
+    def _take_outline(self, number: int) -> None:
+        """Add the rows of the last frame's outline with those of earlier ones."""
+        frames = self._outlines.frames
+        if number not in frames[-1:] or not len(self._at.points):
+            return
+        where, _ = self._placed(frames)
+        rows = self._outlines.last_rows(where)
+        weights = robust_weights.weights(surprise(rows, self._solved), self._options.gate_sigmas)
+        self._add(rows, weights / self._options.alike_outlines)
+
+    def _range_rows(self, where: Placed, ranges: Ranges, at: Unknowns) -> tuple[Rows, Rows]:
         live = self._tracks.live
         spread_m = hull_sigma_m(self._solved, live, self._prior)
         return range_rows(where, ranges, at, live, spread_m, self._options, 1.0 / self._camera.fx)
@@ -263,12 +264,12 @@ class BatchEstimator:
             for start in others:
                 other = self._descended(start)
                 best = other if other.misfit < best.misfit else best
-        weights = self._weights_of(best.rows, best.opened)
+        weights = weights_of(best.rows, self._options, best.opened)
         self._at, self._tumble = best.at, best.tumble
         self._equations = self._summed(best.at, best.rows, weights)
         self._solved = self._equations.solve()
         self._linearised_at = count
-        self._give_up(weights[0])
+        self._give_up(weights[0] * self._options.alike_sightings)
         self._freeze(best.rows, weights)
 
     def _by_hull(self, best: Descent) -> Descent:
@@ -276,19 +277,21 @@ class BatchEstimator:
         for _ in range(CARVINGS):
             where = placed(best.at, best.tumble, self._known_epochs)
             points = best.at.points[self._tracks.live]
-            share = self._silhouettes.shares(where, self._ranges.frame, points)
-            self._ranges = replace(self._ranges, share=share)
-            self._hull_known = bool(np.isfinite(share).any())
-            if not self._hull_known:
+            planes = self._outlines.carve(where, self._ranges.frame, points, best.rows[3])
+            self._ranges = replace(self._ranges, planes=planes)
+            if not self._outlines.hull_known:
                 break
             best = self._descended(best.at)
         return best
 
-    def _shares(self, frames: Indices) -> Floats:
-        """Return at which share of the distance the beams of some frames enter the hull."""
+    def _planes(self, frames: Indices) -> HullPlanes:
+        """Return the outlines' planes at which the beams of some frames enter the hull."""
+        if not self._outlines.hull_known:
+            return HullPlanes.none(len(frames))
         at = self._at.moved(self._solved.shared, self._solved.points)
         where = placed(self._at, self._tumble, self._known_epochs).moved(self._solved.shared)
-        return self._silhouettes.shares(where, frames, at.points[self._tracks.live])
+        points = at.points[self._tracks.live]
+        return self._outlines.planes(where, frames, points)
 
     def _descended(self, at: Unknowns) -> Descent:
         """Go down from somewhere until nothing moves any more.
@@ -299,11 +302,15 @@ class BatchEstimator:
         """
         damping, opened = 0.0, np.inf
         tumble = self._followed(at)
+        if len(self._outlines.frames):
+            epochs = self._known_epochs.take(self._outlines.frames)
+            self._outlines.pair(placed(at, tumble, epochs))
         rows = self._all_rows(at, tumble)
         for _ in range(self._options.iterations):
-            weights = self._weights_of(rows, opened)
+            weights = weights_of(rows, self._options, opened)
             equations = self._summed(at, rows, weights)
-            step = self._step(equations, damping)
+            solved = equations.damped(damping).solve()
+            step = within_reach(solved.shared, solved.points)
             if equations.square(*step) < SETTLED:
                 if opened == 1.0:
                     break
@@ -320,32 +327,20 @@ class BatchEstimator:
                 damping = max(1e-4, 10.0 * damping)
         return Descent(at, tumble, rows, opened, robust_weights.spread(rows[0].sizes, 2))
 
-    def _step(self, equations: ArrowEquations, damping: float) -> tuple[Floats, Floats]:
-        solved = (equations.damped(damping) if damping else equations).solve()
-        return within_reach(solved.shared, solved.points)
-
-    def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, Rows]:
-        """Return the rows of all that is not frozen: of sightings, and of ranges."""
+    def _all_rows(self, at: Unknowns, tumble: FreeTumble) -> tuple[Rows, ...]:
+        """Return the rows of all that is not frozen: sightings, ranges, outlines."""
         where = placed(at, tumble, self._known_epochs)
         own = self._sightings
         seen = sighting_rows(where, at.points, own.frame, own.who, own.seen, own.sigma)
-        if not len(self._ranges) or not len(at.points):
-            return seen, Rows.none()
-        return seen, self._range_rows(where, self._ranges, at)
-
-    def _weights_of(self, rows: tuple[Rows, Rows], opened: float) -> list[Floats]:
-        """Return the weights of sightings and of ranges; gates are no wider than ``opened``."""
-        seen, ranged = (
-            robust_weights.of_most(
-                each.sizes, each.error.shape[1], self._options.gate_sigmas, opened
-            )
-            for each in rows
-        )
-        tracks = robust_weights.of_tracks(rows[0].sizes, rows[0].who, self._options.track_gate)
-        return [seen * tracks, ranged / self._options.alike_ranges]
+        if not len(at.points):
+            return seen, *[Rows.none()] * 3
+        ranged = (Rows.none(), Rows.none())
+        if len(self._ranges):
+            ranged = self._range_rows(where, self._ranges, at)
+        return seen, *ranged, self._outlines.rows(where.take(self._outlines.frames))
 
     def _summed(
-        self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]
+        self, at: Unknowns, rows: tuple[Rows, ...], weights: list[Floats]
     ) -> ArrowEquations:
         equations = self._prior.equations(at)
         if self._frozen is not None:
@@ -358,7 +353,7 @@ class BatchEstimator:
             equations.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)
         return equations
 
-    def _cost(self, at: Unknowns, rows: tuple[Rows, Rows], weights: list[Floats]) -> float:
+    def _cost(self, at: Unknowns, rows: tuple[Rows, ...], weights: list[Floats]) -> float:
         cost = self._prior.cost(at)
         if self._frozen is not None:
             old, there = self._frozen
@@ -379,7 +374,7 @@ class BatchEstimator:
             self._tracks.give_up(np.flatnonzero(bad), again=self._options.second_chances)
             self._sightings = self._sightings.take(~bad[who])
 
-    def _freeze(self, rows: tuple[Rows, Rows], weights: list[Floats]) -> None:
+    def _freeze(self, rows: tuple[Rows, ...], weights: list[Floats]) -> None:
         """Keep the older half as it was linearised, once there is too much."""
         if len(self._sightings) <= self._options.most_observations or len(weights[0]) != len(
             self._sightings
@@ -390,8 +385,9 @@ class BatchEstimator:
         if self._frozen is not None:
             before, there = self._frozen
             old = before.moved(self._at.shared - there.shared, self._at.points - there.points)
+        ranged = [self._ranges.frame[: len(each.who)] for each in rows[1:3]]
         for each, own, frame in zip(
-            rows, weights, (self._sightings.frame, self._ranges.frame), strict=True
+            rows[:3], weights[:3], (self._sightings.frame, ranged[0], ranged[1]), strict=True
         ):
             kept = each.weighted(np.where(frame < middle, own, 0.0))
             old.add_rows(kept.by_shared, kept.by_point, kept.error, kept.who)

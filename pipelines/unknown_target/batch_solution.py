@@ -31,7 +31,7 @@ class BatchSolution:
         Track of each point.
     live : (n,) bool array
         Points that still go by it.
-    lost_share, most_sigma_m : float
+    lost_share, most_sigma_m, shape_sigma_m : float
         See ``BatchOptions``.
     """
 
@@ -44,6 +44,7 @@ class BatchSolution:
     live: Mask
     lost_share: float
     most_sigma_m: float = float(np.inf)
+    shape_sigma_m: float = float(np.inf)
 
     @cached_property
     def unknowns(self) -> Unknowns:

@@ -61,7 +61,7 @@ class UnknownFromImages:
         reason = self._taken(seen)
         if self._target is None:
             return self._without(seen, reason)
-        known = self._target.known().less_certain(self._options.alike_frames)
+        known = self._target.known()
         said = estimate_of(known, seen)
         used = np.isin(seen.tracks, np.array(known.names, dtype=np.int64))
         return replace(said, detections=_detections(seen, used.tolist()))

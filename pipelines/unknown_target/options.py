@@ -46,12 +46,18 @@ class BatchOptions:
     ----------
     range_to : str
         What a range is taken to be to: ``surface``, the hull of all points; ``facet``, the surface
-        between those that were seen about the beam; ``hull``, what silhouettes leave of space,
-        and a facet until they go round; or the ``centre`` of mass as in the paper.
+        between those that were seen about the beam; ``hull``, that and what silhouettes leave of
+        space, once they go round; or the ``centre`` of mass as in the paper.
     hull_px : float, px
-        1 sigma by which a silhouette's border errs, and the surface lies off the hull.
+        1 sigma by which a silhouette's border errs, where a beam enters the hull.
     track_gate : float
         A track whose errors over its life are so many times those of most counts less and less.
+    outline_px : float, px
+        1 sigma by which an outline errs where a plane touches it.
+    alike_outlines : float
+        So many rows of outlines err alike: each is compared with many.
+    alike_sightings : float
+        So many sightings of a track err alike, for it drifts as long as it lives.
     relief_m : float, m
         1 sigma by which the surface lies off the hull of the points.
     relief_share : float
@@ -85,11 +91,16 @@ class BatchOptions:
         Whether the track of a point that was given up may become another.
     most_sigma_m : float, m
         Points less certain than that are not told of.
+    shape_sigma_m : float, m
+        And those less certain than that are no part of the shape, though they tell the pose.
     """
 
     range_to: RangeTo = "surface"
     hull_px: float = 0.7
     track_gate: float = float("inf")
+    outline_px: float = 0.7
+    alike_outlines: float = 6.0
+    alike_sightings: float = 1.0
     relief_m: float = 0.01
     relief_share: float = 0.05
     relief_frames: float = 10.0
@@ -106,6 +117,7 @@ class BatchOptions:
     lost_share: float = 0.5
     second_chances: bool = True
     most_sigma_m: float = float("inf")
+    shape_sigma_m: float = float("inf")
 
     @property
     def alike_ranges(self) -> float:
@@ -153,9 +165,6 @@ class ImageOptions:
     batch : BatchOptions
     silhouette_every : int
         Frames from one whose silhouette is kept to the next.
-    alike_frames : float
-        So many sightings of a track err alike, for it drifts as long as it lives: what is stated
-        of all that is known is wider by the root of it.
     """
 
     tracker: TrackerOptions = field(default_factory=TrackerOptions)
@@ -173,11 +182,14 @@ class ImageOptions:
             bad_share=0.2,
             relief_share=0.1,
             second_chances=False,
-            most_sigma_m=0.3,
+            alike_sightings=100.0,
+            alike_outlines=100.0,
+            relief_frames=60.0,
+            most_sigma_m=3.0,
+            shape_sigma_m=0.5,
         )
     )
     silhouette_every: int = 5
-    alike_frames: float = 100.0
 
 
 IMAGE_VARIANTS = {"best": ImageOptions()}

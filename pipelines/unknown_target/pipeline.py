@@ -86,12 +86,13 @@ def estimate_of(known: TargetEstimate, frame: TrackedFrame) -> Estimate:
     known : TargetEstimate
     frame : TrackedFrame
     """
+    clear = known.of_shape
     shape = {
-        "points_in_target_m": known.points_in_target,
-        "track": np.array(known.names, dtype=np.float64),
+        "points_in_target_m": known.points_in_target[clear],
+        "track": np.array(known.names, dtype=np.float64)[clear],
     }
     if known.sigma_m is not None:
-        shape["sigma_m"] = known.sigma_m
+        shape["sigma_m"] = known.sigma_m[clear]
     states = {
         MOTION: NamedState(
             {

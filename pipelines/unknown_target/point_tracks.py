@@ -79,6 +79,36 @@ class PointTracks:
         self.names.append(name)
         return self._place[name]
 
+    def give_births(
+        self, tracks: list[int], who: Indices, places: Floats, reach_m: float
+    ) -> tuple[Indices, Floats]:
+        """Make points of the tracks of which enough sightings agree.
+
+        Returns
+        -------
+        (m,) int array, (k, 3) array
+            The point of each sighting, -1 where it is of none; and the places of the new points, m.
+
+        Parameters
+        ----------
+        tracks : list of int
+            Names.
+        who : (m,) int array
+            The track of each sighting, a place among the names.
+        places : (m, 3) array, m
+            Where each has its point.
+        reach_m : float, m
+            How far apart they may be.
+        """
+        point, first = np.full(len(who), -1, dtype=np.int64), []
+        for place, name in enumerate(tracks):
+            of_track = np.flatnonzero(who == place)
+            of_track = of_track[agreeing(places[of_track], reach_m)]
+            if len(of_track) >= self._births:
+                point[of_track] = self.give_birth(name)
+                first.append(np.median(places[of_track], axis=0))
+        return point, np.array(first).reshape(-1, 3)
+
     def give_up(self, points: Indices, again: bool = True) -> None:
         """Let the tracks of some points go.
 

@@ -7,6 +7,7 @@ import numpy as np
 from models.arrays import Mask
 from pipelines.unknown_target.arrow_equations import Solved
 from pipelines.unknown_target.facet_in_sight import facet_rows
+from pipelines.unknown_target.hull_planes import hull_rows
 from pipelines.unknown_target.observation_rows import Placed, Rows, centre_rows, surface_rows
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.sightings import Ranges
@@ -21,54 +22,45 @@ def range_rows(
     sigma_m: float,
     options: BatchOptions,
     px_rad: float,
-) -> Rows:
-    """Return the rows of ranges.
+) -> tuple[Rows, Rows]:
+    """Return the rows of ranges by what points tell of the surface, and by the hull of outlines.
+
+    The hull lies before the surface where that is hollow or views are few, and points behind it
+    where highlights pass for them. Each has its own sigma, and where both tell, both are taken.
 
     Parameters
     ----------
     where : Placed
+        All frames.
     ranges : Ranges
         ``frame`` counts in ``where``.
     at : Unknowns
     live : (n,) bool array
         Points that are believed in.
     sigma_m : float, m
-        Of the hull's corners, see ``hull_sigma_m``.
+        Of the corners of the points' hull, see ``hull_sigma_m``.
     options : BatchOptions
     px_rad : float, rad
         That a pixel covers.
     """
     if options.range_to == "centre":
-        return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m)
+        return centre_rows(where, ranges.frame, ranges.range_m, ranges.sigma_m), Rows.none()
     if options.range_to in ("facet", "hull"):
-        rows = facet_rows(
+        facets = facet_rows(
             where, at.points, live, ranges.facets, ranges.frame, ranges.range_m, ranges.sigma_m,
             options.relief_share,
         )  # fmt: skip
-        return _or_hull(where, ranges, rows, options.hull_px * px_rad)
+        if not ranges.planes.known.any():
+            return facets, Rows.none()
+        views = where.take(np.maximum(ranges.planes.view, 0))
+        hull, _ = hull_rows(
+            views, where.take(ranges.frame), ranges.planes, ranges.range_m, ranges.sigma_m,
+            options.hull_px * px_rad,
+        )  # fmt: skip
+        return facets, hull
     sigma = np.hypot(ranges.sigma_m, np.hypot(options.relief_m, sigma_m))
-    return surface_rows(where, at.points, live, ranges.frame, ranges.range_m, sigma)
-
-
-def _or_hull(where: Placed, ranges: Ranges, facets: Rows, sigma_rad: float) -> Rows:
-    """Return the rows by the hull where it is known, else those by facets.
-
-    The hull is carved of what the same motion places, and grows with it: a range is a share of the
-    distance to the centre of mass.
-    """
-    known = np.isfinite(ranges.share)
-    if not known.any():
-        return facets
-    share = np.where(known, ranges.share, 1.0)
-    sigma_m = np.hypot(ranges.sigma_m, sigma_rad * ranges.range_m)
-    hull = centre_rows(where, ranges.frame, ranges.range_m / share, sigma_m / share)
-    pick = known[:, None, None]
-    return Rows(
-        np.where(pick, hull.by_shared, facets.by_shared),
-        np.where(pick, hull.by_point, facets.by_point),
-        np.where(known[:, None], hull.error, facets.error),
-        np.where(known, hull.who, facets.who),
-    )
+    rows = surface_rows(where, at.points, live, ranges.frame, ranges.range_m, sigma)
+    return rows, Rows.none()
 
 
 def hull_sigma_m(solved: Solved, live: Mask, prior: Prior) -> float:

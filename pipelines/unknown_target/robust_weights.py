@@ -82,6 +82,7 @@ def of_most(sizes: Floats, numbers: int, gate: float, opened: float) -> Floats:
     """
     wide = spread(sizes, numbers)
     narrow = min(wide, opened)
-    if not len(sizes) or np.mean(sizes < gate * narrow) > MOST:
+    told = np.isfinite(sizes)
+    if not told.any() or np.mean(sizes[told] < gate * narrow) > MOST:
         return weights(sizes, gate * narrow)
     return weights(sizes, gate * wide) / wide**2

@@ -9,6 +9,7 @@ import numpy as np
 
 from models.arrays import Floats, Indices, Mask
 from pipelines.unknown_target.facet_in_sight import Facets, facet_in_sight
+from pipelines.unknown_target.hull_planes import HullPlanes
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,21 +94,25 @@ class Ranges:
     range_m, sigma_m : (m,) array, m
     facets : Facets
         Between which points each beam fell, as that image showed them.
-    share : (m,) array
-        Of the distance to the centre of mass, where silhouettes tell it; NaN where they do not.
+    planes : HullPlanes
+        Where silhouettes tell where each beam ends.
     """
 
     frame: Indices
     range_m: Floats
     sigma_m: Floats
     facets: Facets
-    share: Floats
+    planes: HullPlanes
 
     @classmethod
     def none(cls) -> Ranges:
         """Return none at all."""
         return cls(
-            np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), Facets.none(0), np.zeros(0)
+            np.zeros(0, dtype=np.int64),
+            np.zeros(0),
+            np.zeros(0),
+            Facets.none(0),
+            HullPlanes.none(0),
         )
 
     def __len__(self) -> int:
@@ -122,11 +127,11 @@ class Ranges:
         """
         return Ranges(
             self.frame[which], self.range_m[which], self.sigma_m[which], self.facets.take(which),
-            self.share[which],
+            self.planes.take(which),
         )  # fmt: skip
 
     def with_one(
-        self, frame: int, range_m: float, sigma_m: float, facet: Facets, share: float = np.nan
+        self, frame: int, range_m: float, sigma_m: float, facet: Facets, plane: HullPlanes
     ) -> Ranges:
         """Return these and one more.
 
@@ -135,15 +140,15 @@ class Ranges:
         frame : int
         range_m, sigma_m : float, m
         facet : Facets
-            One.
-        share : float
+        plane : HullPlanes
+            One each.
         """
         return Ranges(
             np.append(self.frame, frame),
             np.append(self.range_m, range_m),
             np.append(self.sigma_m, sigma_m),
             self.facets.followed_by(facet),
-            np.append(self.share, share),
+            self.planes.followed_by(plane),
         )
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from models.arrays import Floats
+from models.arrays import Floats, Mask
 from models.motion.boresight_pointing import HILL_FROM_LVLH
 from pipelines.unknown_target.batch_solution import BatchSolution
 from pipelines.unknown_target.paper_dynamics import PaperState
@@ -35,6 +35,8 @@ class TargetEstimate:
         Of trace 1.
     sigma_m : (n,) array or None, m
         Of each point, the root of its covariance's trace; None where it is not asked.
+    shape_sigma_m : float, m
+        Of points that are part of the shape at most.
     inertia_kg_m2 : (3, 3) array or None
         With the scale that ``paper`` believes in.
     lost_inertia_ratios : int or None
@@ -55,16 +57,14 @@ class TargetEstimate:
     lost_inertia_ratios: int | None = None
     scale_lost: bool | None = None
     sigma_m: Floats | None = None
+    shape_sigma_m: float = float(np.inf)
 
-    def less_certain(self, times: float) -> TargetEstimate:
-        """Return the same with all variances so many times as large.
-
-        Parameters
-        ----------
-        times : float
-        """
-        sigma_m = None if self.sigma_m is None else np.sqrt(times) * self.sigma_m
-        return replace(self, covariance=times * self.covariance, sigma_m=sigma_m)
+    @property
+    def of_shape(self) -> Mask:
+        """(n,) bool array: the points that are known well enough to tell the shape."""
+        if self.sigma_m is None:
+            return np.ones(len(self.names), dtype=bool)
+        return np.asarray(self.sigma_m < self.shape_sigma_m)
 
 
 def of_batch(solution: BatchSolution) -> TargetEstimate:
@@ -83,6 +83,7 @@ def of_batch(solution: BatchSolution) -> TargetEstimate:
         solution.lost_inertia_ratios,
         solution.scale_lost,
         solution.point_sigmas[live],
+        solution.shape_sigma_m,
     )
 
 

@@ -79,7 +79,7 @@ class CaseRendering:
         self.request = request
         self.world = world = world_of(resolve(request))
         info = dataset_info(world)
-        check_folder(request.out, info)
+        check_folder(request.out, info, world.scenario.to_toml())
         self.kept, limit_bytes = keeping(request), checked_budget(request, world)
         known = public_files(world)
         world.check_poses()

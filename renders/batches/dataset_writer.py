@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
@@ -29,6 +30,8 @@ from models.markers import MarkerPattern
 from models.output_folder import check_empty, check_place
 from models.reading.json_file import read_json_table
 from models.reading.regular_file import check_regular, read_text
+from models.reading.shown import shown
+from models.reading.toml_file import read_toml
 from renders.store.radiance_store import KEY, RadianceStore
 from renders.store.sealed_exr import read_exr, write_exr
 from renders.truth.makers import SealedRecord
@@ -40,6 +43,8 @@ if TYPE_CHECKING:  # it loads Mitsuba, which must wait until a variant is known 
 
 PNG_END = b"IEND\xaeB`\x82"
 RECORD_END = b"}\n"
+LEFT_OUT = "left out"
+MOST_TOLD = 4  # settings that differ, in one message
 
 
 def is_whole_png(path: Path) -> bool:
@@ -67,10 +72,18 @@ def is_whole_record(path: Path) -> bool:
         return False
 
 
-def check_folder(folder: Path, info: DatasetInfo) -> None:
+def check_folder(folder: Path, info: DatasetInfo, scenario: str) -> None:
     """Refuse what cannot take a dataset: a file, a folder with another, or with what is not ours.
 
     ``dataset.json`` is the first file to be written, so that a run killed at any moment goes on.
+
+    Parameters
+    ----------
+    folder : Path
+    info : DatasetInfo
+        Of the dataset that is meant.
+    scenario : str
+        Its resolved scenario as TOML, so that what differs can be told.
 
     Raises
     ------
@@ -92,7 +105,7 @@ def check_folder(folder: Path, info: DatasetInfo) -> None:
     if there.provenance.get("scenario") != info.provenance.get("scenario"):
         raise DatasetError(
             f"expected {folder} to be empty or to hold this very scenario ({_told(info)}); "
-            f"it holds another ({_told(there)}{_in_what(there, info)}); "
+            f"it holds another ({_told(there)}{_in_what(there, info, folder, scenario)}); "
             "nothing was changed: choose another --out, or delete it"
         )
 
@@ -168,7 +181,7 @@ class DatasetWriter:
         StorageError
             If it cannot be written.
         """
-        check_folder(self.folder, self.info)
+        check_folder(self.folder, self.info, self.scenario_toml)
         sweep_scratch(self.folder)
         texts = {
             FILE_NAME: info_to_json(self.info),
@@ -291,5 +304,27 @@ def _told(info: DatasetInfo) -> str:
     return f"{info.case}, Sun {info.sun}, frames: {info.frames}"
 
 
-def _in_what(there: DatasetInfo, info: DatasetInfo) -> str:
-    return ", with other settings" if _told(there) == _told(info) else ""
+def _in_what(there: DatasetInfo, info: DatasetInfo, folder: Path, scenario: str) -> str:
+    """Tell which settings differ, where name, Sun and frames are the same."""
+    if _told(there) != _told(info):
+        return ""
+    try:
+        old = dict(_settings(read_toml(folder / "truth" / "scenario.toml"), ""))
+    except DatasetError:
+        return ", with other settings"
+    now = dict(_settings(tomllib.loads(scenario), ""))
+    differ = [
+        f"{key} {shown(old.get(key, LEFT_OUT))}, now {shown(now.get(key, LEFT_OUT))}"
+        for key in dict.fromkeys([*old, *now])
+        if old.get(key) != now.get(key)
+    ]
+    more = [f"and {len(differ) - MOST_TOLD} more"] if len(differ) > MOST_TOLD else []
+    return f", with {'; '.join([*differ[:MOST_TOLD], *more]) or 'other settings'}"
+
+
+def _settings(table: dict[str, Any], within: str) -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _settings(value, f"{within}{key}.")
+        else:
+            yield f"{within}{key}", value

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Callable, Set
 
 from rich.console import Console
 
 from models.at_work import at_work
+from models.dataset.description import DatasetInfo
 from models.plain_console import plain_console
 from renders.batches.case_rendering import CaseRendering
 from renders.batches.render_progress import render_progress
-from renders.scenario.scenario import RenderRequest
+from renders.scenario.scenario import RenderRequest, Scenario
 from renders.world.sun_paths import told
+
+TYPED = ("fixed", "auto")  # modes of exposure that begin with what is typed
 
 
 def render_case(
-    request: RenderRequest, console: Console | None = None, frames: Set[int] | None = None
+    request: RenderRequest,
+    console: Console | None = None,
+    frames: Set[int] | None = None,
+    check: Callable[[DatasetInfo], None] | None = None,
 ) -> None:
     """Render what a request asks for and is not there yet.
 
@@ -26,6 +32,8 @@ def render_case(
         For progress.
     frames : set of int, optional
         These alone, and what is made of all exposures is left to who has them all.
+    check : callable, optional
+        ``check(info)``: raises what speaks against the dataset, before anything is written.
 
     Raises
     ------
@@ -33,9 +41,27 @@ def render_case(
         Each says what to do; nothing already rendered is lost.
     """
     case = CaseRendering(request)
+    if check is not None:
+        check(case.info)
     case.begin()
     with at_work(request.out, "render"):
         _render(case, request, console, frames)
+
+
+def exposure_note(scenario: Scenario) -> str:
+    """Tell what a typed exposure time comes to at another width; nothing where it is as typed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    """
+    table, scale = scenario.exposure, scenario.pixel_scale
+    if scale == 1.0 or scenario.frame_kind == "pairs" or table.mode not in TYPED:
+        return ""
+    return (
+        f"exposure: {table.exposure_ms:g} ms as typed is meant for the chip's own pixels, "
+        f"{scale**2 * table.exposure_ms:.3g} ms for these, {1.0 / scale:.3g} times as wide"
+    )
 
 
 def _render(
@@ -53,6 +79,8 @@ def _render(
         soft_wrap=True,
         markup=False,
     )
+    if note := exposure_note(world.scenario):
+        console.print(note, soft_wrap=True, markup=False)
     left = [each for each in case.left if frames is None or each.frame in frames]
     wanted = frozenset(left)
     with render_progress(console) as track, case.claimed():

@@ -111,7 +111,7 @@ class Simulation:
     run : int
         Keys detector noise, prior and calibration.
     sun : str, optional
-        S1 to S7 or x,y,z.
+        A name such as S1 or E-S15, or x,y,z.
     start_s, end_s : float, optional, s
         Of the scenario's own motion: the prior is that of its start.
     width : int, optional, px

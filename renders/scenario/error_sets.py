@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 ErrorSetName: TypeAlias = Literal[
     "none", "prior", "intrinsics", "distortion", "blur", "detector", "marker_places",
     "marker_radius", "marker_tilt", "lamps", "vignetting", "clock", "mount", "table5", "table8",
-    "table9_c1", "table9_c2", "table10", "realistic",
+    "table9_c1", "table9_c2", "table10", "realistic", "realistic_prior4",
 ]  # fmt: skip
 ALMOST = 0.05  # of Table 5's prior: a first pose that is known, and that a pipeline can weigh
 INSTALLED_M = {"pairs": 1e-3, "colour": 3e-4}  # Table 10
@@ -137,6 +137,7 @@ ERROR_SETS: dict[str, ErrorSet] = {
     "table9_c2": replace(TABLE_5, intrinsics_px=3.0),
     "table10": replace(TABLE_5, installed=1.0),
     "realistic": _together(),
+    "realistic_prior4": replace(_together(), prior=4.0),
 }
 """All of them, by name."""
 

@@ -87,7 +87,9 @@ def _letters(pattern: str) -> str:
     """Return in words what a pattern such as ``^[A-Za-z0-9_-]{1,32}$`` lets through."""
     signs = re.findall(r"\[A-Za-z0-9([^A-Za-z0-9\]]*)\]", pattern)
     told = ["letters", "digits", *(signs[-1] if signs else "")]
-    return f"{', '.join(told[:-1])} and {told[-1]} alone"
+    most = re.search(r"\{([01]),(\d+)\}\$", pattern)  # {0,n} comes after the first character
+    end = f", {int(most[2]) + (most[1] == '0')} at most" if most else ""
+    return f"{', '.join(told[:-1])} and {told[-1]} alone{end}"
 
 
 def _item(item: dict[str, Any], root: type[BaseModel], options: Mapping[str, str]) -> str:

@@ -9,6 +9,7 @@ from pydantic import Field
 from models.errors import ScenarioError
 from models.lights.earth import ALBEDO, EARTH_RADIUS_KM, GEO_RADIUS_KM
 from models.lights.sun import unit_direction
+from models.lights.sun_names import SUN_NAMES
 from renders.scenario.table import Name, Table, Triple
 
 
@@ -29,7 +30,7 @@ class SunTable(Table):
     """Where the Sun stands; see ``renders.scenario.sun_choice``."""
 
     default: Name = Field(
-        "S2", description='S1 to S7, a vector such as "0.2,-0.5,1", "table" or "epoch"'
+        "S2", description=f'{SUN_NAMES}, a vector such as "0.2,-0.5,1", "table" or "epoch"'
     )
     shared: Annotated[tuple[Name, ...], Field(strict=False, max_length=1000)] = Field(
         (), description="Suns rendered in one pass with any other"

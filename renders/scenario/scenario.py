@@ -21,6 +21,7 @@ from models.reading.options import check_option
 from models.reading.toml_file import read_toml
 from models.sensors.camera_chip import Detector, Optics, Radiation
 from models.sensors.lens_scatter import LensScatter
+from models.spacecraft.catalogue import TARGETS
 from renders.scenario.arm_tables import ArmTable, check_arm
 from renders.scenario.asked_tables import AskedTable, LimitsTable
 from renders.scenario.camera_choice import camera_of, check_camera, pixel_scale
@@ -133,7 +134,7 @@ class Scenario(Table):
     description: Prose = Field("", description="prose for its reader")
     target: Name = Field(
         "maxar1300",
-        description="maxar1300, xmm or hispasat, or a .toml file of a spacecraft of your own",
+        description=f"{', '.join(TARGETS)}, or a .toml file of a spacecraft of your own",
     )
     camera: CameraTable = CameraTable()  # type: ignore[call-arg]
     optics: OpticsTable = OpticsTable()  # type: ignore[call-arg]
@@ -256,7 +257,7 @@ class RenderRequest:
     out : Path
         Folder of the dataset.
     sun : str, optional
-        S1 to S7 or x,y,z.
+        A name such as S1 or E-S15, or x,y,z.
     rate_hz, start_s, end_s : float, optional
     width : int, optional, px
     spp : int, optional

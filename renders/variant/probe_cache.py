@@ -18,7 +18,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 from models.errors import StorageError, UnreadableError
 from models.reading.json_file import read_json_table
 
@@ -84,8 +84,10 @@ def write(variant: str, machine: str, result: dict[str, Any]) -> None:
         What the probe said; plain enough for JSON.
     """
     record = {"probed_at": time.time(), "result": result}
+    place = _record_path(variant, machine)
+    sweep_beside(place)
     try:
-        write_text(_record_path(variant, machine), json.dumps(record, indent=1) + "\n")
+        write_text(place, json.dumps(record, indent=1) + "\n")
     except StorageError:
         return
 

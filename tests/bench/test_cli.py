@@ -7,6 +7,7 @@ anew, for the difference to be read in review.
 import json
 import re
 import shutil
+from dataclasses import fields
 from pathlib import Path
 
 import cv2
@@ -15,6 +16,7 @@ import pytest
 from bench import cli, verbs
 from bench.cli import main
 from bench.interrupts import told as told_of
+from models.lights.sun_names import SUN_NAMES
 from tests.support.bad_input import (
     Spoil,
     change_json,
@@ -47,6 +49,7 @@ def test_help_teaches_with_examples(capsys):
         assert main([name, "--help"]) == 0
         told = capsys.readouterr().out
         assert told.startswith(f"usage: rvbench {name}")
+        assert "(default: )" not in told
         assert f"rvbench {name} " in told.removeprefix("usage: ") or name in ("list", "doctor")
     assert main(["--help"]) == 0
     told = capsys.readouterr().out
@@ -115,6 +118,12 @@ def test_score_report_show(folder, capsys):
     assert (folder / "show" / "000002_best.png").is_file()
 
 
+def test_a_picture_of_what_nobody_estimated_is_not_called_by_a_pipeline(folder, capsys):
+    shutil.rmtree(folder / "estimates")
+    assert main(["show", str(folder), "1"]) == 0
+    assert [path.name for path in (folder / "show").iterdir()] == ["000001.png"]
+
+
 def test_estimate_a_dataset_and_image_pairs(folder, tmp_path):
     shutil.rmtree(folder / "estimates")
     assert main(["estimate", str(folder)]) == 0
@@ -131,6 +140,20 @@ def test_list(capsys):
     told = capsys.readouterr().out
     for name in ("maxar-demo", "maxar-approach", "chaser_fixed", "maxar1300", "S4"):
         assert name in told
+
+
+@pytest.mark.parametrize("name", ["run", "render", "sweep", "dataset", "suite"])
+def test_the_help_of_an_option_names_no_option_that_the_verb_lacks(name, capsys):
+    assert main([name, "--help"]) == 0
+    told = capsys.readouterr().out.partition(" options ")[2]
+    own = {f"--{each.name.replace('_', '-')}" for each in fields(cli.VERBS[name])}
+    assert set(re.findall(r"(?<!\w)--[a-z][a-z-]*", told)) <= own | {"--help", "--no-quick"}
+
+
+@pytest.mark.parametrize("verb", ["run", "render"])
+def test_help_tells_every_sun(verb, capsys):
+    assert main([verb, "--help"]) == 0
+    assert SUN_NAMES in " ".join(re.sub("[│]", " ", capsys.readouterr().out).split())
 
 
 def test_worse_than_asked_is_code_1(folder, capsys):

@@ -17,7 +17,7 @@ SCORE = (
     "made/score.json",
 )
 COMPARE = (
-    "compare", "pairs/data", "{file}", "--vsd-px", "0", "--resamples", "20", "--out", "made/c",
+    "compare", "pairs/data", "{file}", "--vsd-px", "0", "--resamples", "100", "--out", "made/c",
 )  # fmt: skip
 PUBLIC = ("dataset.json", "frames.csv", "camera.toml", "detector.toml", "markers.toml")
 READERS = (
@@ -25,7 +25,7 @@ READERS = (
     ("report", "{data}"),
     ("show", "{data}", "0", "--out", "made/picture.png"),
     ("export", "{data}", "--as", FORMAT, "--out", "made/export"),
-    ("compare", "{data}", "--vsd-px", "0", "--resamples", "20", "--out", "made/c"),
+    ("compare", "{data}", "--vsd-px", "0", "--resamples", "100", "--out", "made/c"),
 )
 WRITES = ("score.json", "report.html", "estimates/*", "show/*")
 
@@ -47,7 +47,7 @@ KINDS: tuple[Kind, ...] = (
     Kind(
         "scenario", "cases", ("small.toml", "turning.toml", "own.toml", "armed.toml"),
         (("render", "cases/{name}", *RENDER), ("run", "cases/{name}", *RENDER),
-         ("sweep", "cases/{name}", *RENDER)),
+         ("sweep", "cases/{name}", "--time-s", "{time_s}", "--suns", "S2", *RENDER)),
         needed=True, share=3.0,
     ),
     Kind(
@@ -130,9 +130,13 @@ KINDS: tuple[Kind, ...] = (
     ),
     Kind(
         "random dataset", "random", ("data/*", "data/truth/*", "data/truth/*/*", "data/*/*"),
-        (("dataset", "cases/spec.toml", "--workers", "1", "--out", "random/data"),
-         ("export", "random/data", "--as", FORMAT, "--out", "made")),
+        (("dataset", "cases/spec.toml", "--workers", "1", "--out", "random/data"),),
         ("random/data/*",), beside=("cases",),
+    ),
+    Kind(
+        "random dataset, whole", "drawn",
+        ("data/*", "data/truth/*", "data/*/*", "data/*/frames/*", "data/*/truth/*"),
+        (("export", "drawn/data", "--as", FORMAT, "--out", "made"),), full=True,
     ),
     Kind(
         "export", "export", ("data/*", "data/*/*", "data/*/*/*"),

@@ -24,6 +24,8 @@ from bench.campaign.hostile.verdict import Heard, Verdict, judge
 from bench.campaign.processes import processor_s
 
 DRAW = 1789  # what else the seed is for
+TIMES_S = {"small.toml": "200", "armed.toml": "320"}
+"""Of a pose in a case, where it is not the first instant that there is."""
 OURS: tuple[str, ...] = (
     "pairs/data/score.json", "pairs/data/report.html", "pairs/data/estimates/*",
     "pairs/data/show/*", "pairs/store/*",
@@ -57,24 +59,15 @@ def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
         Of the trial; made anew, and left as it is when the trial is over.
     """
     random, began_s = np.random.default_rng([DRAW, NAMES.index(name), seed]), processor_s()
-    shutil.rmtree(folder, ignore_errors=True)
-    (folder / "decoy").mkdir(parents=True)
-    (folder / "decoy" / "precious.txt").write_text("not ours\n")
-    place = folder / "here"
-    (place / OUT).mkdir(parents=True)
+    place = lay_out(name, grounds, folder)
     if name == COMMAND_LINE:
-        for ground in ("cases", "pairs"):
-            shutil.copytree(grounds / ground, place / ground)
-        shutil.copytree(folder / "decoy", place / "decoy")
         typed, how = typed_wrongly(random)
         spoilt, never_right, allowed = "", False, OURS
     else:
         kind = KINDS[NAMES.index(name)]
-        for ground in (kind.ground, *kind.beside):
-            shutil.copytree(grounds / ground, place / ground)
         done = spoil(random, kind, place / kind.ground)
         spoilt, how = str(done.path.relative_to(place)), done.how
-        typed = _typed(kind, spoilt, int(random.integers(len(kind.commands))))
+        typed = typed_of(kind, spoilt, int(random.integers(len(kind.commands))))
         never_right, allowed = kind.needed and done.never_right, kind.ours
     before = tree(folder)
     heard = hear(typed, place)
@@ -85,6 +78,28 @@ def try_one(name: str, seed: int, grounds: Path, folder: Path) -> Told:
     verdict = judge(heard, never_right=never_right, damaged=damaged, written=place / OUT)
     spent_s = processor_s() - began_s
     return Told(name, seed, " ".join(typed), spoilt, how, verdict, heard.errors, spent_s)
+
+
+def lay_out(name: str, grounds: Path, folder: Path) -> Path:
+    """Copy the grounds of a kind, beside a file that is not ours; return the folder of the copies.
+
+    Parameters
+    ----------
+    name : str
+    grounds, folder : Path
+        As of ``try_one``.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "decoy").mkdir(parents=True)
+    (folder / "decoy" / "precious.txt").write_text("not ours\n")
+    place = folder / "here"
+    (place / OUT).mkdir(parents=True)
+    kind = None if name == COMMAND_LINE else KINDS[NAMES.index(name)]
+    for ground in ("cases", "pairs", "export") if kind is None else (kind.ground, *kind.beside):
+        shutil.copytree(grounds / ground, place / ground)
+    if kind is None:
+        shutil.copytree(folder / "decoy", place / "decoy")
+    return place
 
 
 def hear(typed: list[str], place: Path) -> Heard:
@@ -101,8 +116,19 @@ def hear(typed: list[str], place: Path) -> Heard:
     return Heard(code, said[0], escaped)
 
 
-def _typed(kind: Kind, spoilt: str, number: int) -> list[str]:
-    words = {"file": spoilt, "name": Path(spoilt).name}
+def typed_of(kind: Kind, spoilt: str, number: int) -> list[str]:
+    """Return one of a kind's command lines, with the file that is spoilt in its place.
+
+    Parameters
+    ----------
+    kind : Kind
+    spoilt : str
+        From the folder of the trial.
+    number : int
+        Of the command.
+    """
+    name = Path(spoilt).name
+    words = {"file": spoilt, "name": name, "time_s": TIMES_S.get(name, "0")}
     return [each.format(**words) for each in kind.commands[number]]
 
 

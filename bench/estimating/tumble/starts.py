@@ -18,7 +18,7 @@ import numpy as np
 
 from bench.suites.spread import do_units
 from bench.suites.units import Outcome, WorkUnit, done_outcome
-from models.atomic_file import write_text
+from models.atomic_file import sweep_beside, write_text
 from models.dataset.dataset import Dataset, open_dataset
 from models.errors import DatasetError, UnreadableError, cause
 from models.plain_console import plain_console
@@ -233,6 +233,7 @@ def _write(folder: Path, variant: str, most_images: int, outcomes: list[Outcome]
             )
     path = starts_path(folder, variant)
     document = {"variant": variant, "most_images": most_images, "starts": listed}
+    sweep_beside(path)
     write_text(path, json.dumps(document, indent=1) + "\n")
     return path
 

@@ -165,7 +165,7 @@ def _told(plan: Plan, title: str, judged: str) -> dict[str, Any]:
         "format": title,
         "objects": {str(number): name for name, number in plan.object_ids.items()},
         "scenes": {str(source.number): source.dataset.info.case for source in plan.sources},
-        "cameras": [plan.suffix(stream).removeprefix("_") for stream in plan.streams],
+        "cameras": list(plan.streams),
         "splits": [split for split in plan.splits if split != UNLABELLED],
         "targets_are_of": judged,
         "units": "mm",

@@ -105,19 +105,24 @@ def _images(records: Iterator[Record]) -> Iterator[dict[str, Any]]:
         }
 
 
+def _sized(box: tuple[int, int, int, int]) -> list[int]:
+    """Return a box of first and last pixels as x, y, width and height."""
+    x0, y0, x1, y1 = box
+    return [x0, y0, x1 - x0 + 1, y1 - y0 + 1]
+
+
 def _annotations(records: Iterator[Record]) -> Iterator[dict[str, Any]]:
     for number, record in enumerate(records, start=1):
         visible, full = record.visible, record.full
         if visible is None or visible.box is None:
             continue
-        x0, y0, x1, y1 = visible.box
         triples = keypoint_triples(record)
         yield {
             "id": number,
             "image_id": number,
             "category_id": record.object_id,
             "iscrowd": 0,
-            "bbox": [x0, y0, x1 - x0 + 1, y1 - y0 + 1],
+            "bbox": _sized(visible.box),
             "area": visible.count,
             "segmentation": {
                 "size": [record.height, record.width],
@@ -127,7 +132,7 @@ def _annotations(records: Iterator[Record]) -> Iterator[dict[str, Any]]:
             "num_keypoints": sum(v > 0 for v in triples[2::3]),
             "keypoint_states": record.keypoint_states,
             "visible_fraction": record.visible_fraction,
-            "box_of_whole": None if full is None or full.box is None else list(full.box),
+            "box_of_whole": None if full is None or full.box is None else _sized(full.box),
             "R_cam_from_target": record.rotation,
             "t_cam_from_target_m": record.translation_m,
             "camera_px": record.camera,

@@ -10,11 +10,15 @@ from bench.report.pairs.page import marker_report
 from bench.report.parts import ReportInput, ReportParts, Section, TitledTable
 from bench.report.table import Table
 from bench.scoring.score import shown_labels
+from models.dataset.detector_file import PLAIN
+from models.onboard import needed
 
 
 def report(given: ReportInput) -> ReportParts:
     """Return the page's parts."""
-    parts = marker_report(given, "colour images", "the grasping point", "in grey, as taken")
+    detector = needed(given.records.onboard.detector, "detector.toml", "the report")
+    taken = "in grey, as taken" if detector.mosaic == PLAIN else "in colour, as taken"
+    parts = marker_report(given, "colour images", "the grasping point", taken)
     return replace(parts, later=[*parts.later, _rivals(given.score)])
 
 

@@ -75,7 +75,8 @@ function button(words, pressed) {
 function digits(value) {
   if (value === null || value === undefined) return "–";
   const size = Math.abs(value);
-  if (size < 1e-5) return "0";
+  if (size === 0) return "0";
+  if (size < 1e-5) return value.toExponential(2).replaceAll("-", "−");
   const places = Math.max(0, 2 - Math.floor(Math.log10(Number(size.toPrecision(3)))));
   return value.toFixed(Math.min(places, 8)).replace("-", "−");
 }

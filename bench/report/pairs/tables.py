@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from bench.report.numbers import NONE, number, numbers, share
@@ -15,13 +16,21 @@ from bench.report.table import (
     headline,
     time_cells,
     title_of,
+    unseen,
 )
 from bench.scoring.score import shown_labels
+from models.quantiles import chi_square_quantile
 
 Score = dict[str, Any]
 
+UNSEEN = [term.name for term in CORE_TERMS].index("missed") + 1
 TERMS = (
-    *CORE_TERMS,
+    *CORE_TERMS[:UNSEEN],
+    Term(
+        "could not be seen",
+        "Frames without a pose that were not missed: too few markers whole, lit and in the image.",
+    ),
+    *CORE_TERMS[UNSEEN:],
     Term(
         "position rms x, y, z",
         "Root mean square along the camera's axes: x right, y down, z along the boresight. A "
@@ -67,6 +76,11 @@ TERMS = (
     ),
     Term("attitude / bound", "The same for the rotation vector."),
     Term(
+        "at the bound",
+        "Where 95 of 100 such ratios would lie if the pipeline reached the bound: chi-square, one "
+        "degree of freedom a pose. Of few poses they say little.",
+    ),
+    Term(
         "NEES",
         "Mean of e'P⁻¹e / 6 with the covariance that the pipeline states: 1 is honest, above is "
         "overconfident. In brackets where it falls 95 times in 100 if the errors of different "
@@ -87,8 +101,10 @@ def _column(own: dict[str, Any]) -> list[str]:
     axes, centroids, detection = parts["axes"]["run_0"], parts["centroids"], parts["detection"]
     efficiency, nees = parts["efficiency"], parts["nees"]
     bounds = [number(bound) for bound in nees["bounds"] or [None, None]]
+    core = core_cells(own["core"])
+    core.insert(UNSEEN, unseen(own["core"]))
     return [
-        *core_cells(own["core"]),
+        *core,
         _unit(_triple(axes["position_rms_mm"]), "mm"),
         _unit(_triple(axes["euler_rms_deg"]), "deg"),
         _unit(_pair(centroids["run_0"]["mean"], signed=True), "px"),
@@ -99,6 +115,7 @@ def _column(own: dict[str, Any]) -> list[str]:
         f"{detection['mismatches']} ({detection['mismatches_used']})",
         _with_count(efficiency["position"], own),
         _with_count(efficiency["attitude"], own),
+        _chance(efficiency["frames"]),
         f"{number(nees['mean'])} ({bounds[0]} to {bounds[1]})" if nees["bounds"] else NONE,
         *time_cells(own["core"]),
     ]
@@ -108,6 +125,32 @@ def _with_count(ratio: float | None, own: dict[str, Any]) -> str:
     """Write an efficiency, and of how many poses it is if some have no bound."""
     bounded, poses = own["parts"]["efficiency"]["frames"], own["core"]["pooled"]["estimated"]
     return number(ratio) if bounded == poses else f"{number(ratio)} ({bounded} of {poses} poses)"
+
+
+def at_the_bound(poses: int) -> tuple[float, float]:
+    """Return where ratios of rms error to bound lie 95 times in 100, of who reaches the bound.
+
+    One degree of freedom a pose: of its three axes one, the boresight or the turn that looks like
+    it, makes up most of the error.
+
+    Parameters
+    ----------
+    poses : int
+        At least one.
+    """
+    low, high = (chi_square_quantile(each, poses) / poses for each in (0.025, 0.975))
+    return math.sqrt(low), math.sqrt(high)
+
+
+def chance_words(poses: int) -> str:
+    """Say what so few poses can tell of a ratio to the bound."""
+    if not poses:
+        return "no pose has a bound"
+    return f"of {poses} poses chance alone gives {_chance(poses)}"
+
+
+def _chance(poses: int) -> str:
+    return " to ".join(number(end) for end in at_the_bound(poses)) if poses else NONE
 
 
 def published_table(score: Score, published: PublishedCase | None) -> Table:
@@ -152,7 +195,7 @@ def range_table(score: Score, variant: str) -> Table:
     """List one variant's errors by range."""
     head = [
         "range, m", "poses", "bias u", "bias v", "std u", "std v", "x", "y", "z",
-        "about x", "about y", "about z", "position / bound", "attitude / bound",
+        "about x", "about y", "about z", "position / bound", "attitude / bound", "at the bound",
     ]  # fmt: skip
     rows = []
     for row in score["pipelines"][variant]["parts"]["per_range"]:
@@ -167,6 +210,7 @@ def range_table(score: Score, variant: str) -> Table:
                 *numbers(row["rotation_rms_deg"]),
                 number(row["efficiency"]["position"]),
                 number(row["efficiency"]["attitude"]),
+                _chance(row["efficiency"]["frames"]),
             ]
         )
     return Table(head, rows, {}, {})

@@ -15,8 +15,8 @@ from renders.scenario.error_sets import ALONE
 CHASER, HAND = "chaser_fixed", "eye_in_hand"
 LAMP_SUN = "E-SB"
 SUN_MAP = tuple(name for name in EYE_IN_HAND_SUNS_DEG if name != LAMP_SUN)
-EXACT, TOGETHER = "none", "realistic"
-SENSITIVITY = (*ALONE, TOGETHER)
+TOGETHER, FAR_OFF = "realistic", "realistic_prior4"
+SENSITIVITY = (*ALONE, TOGETHER, FAR_OFF)
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ STUDIED = ("S2", "S7", "E-SB")
 
 
 def studies(name: str) -> list[Sequence]:
-    """Return a sequence under exact knowledge, under each error alone, and under all.
+    """Return a sequence under exact knowledge, each error alone, all, and all from a worse start.
 
     Parameters
     ----------

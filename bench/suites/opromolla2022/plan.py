@@ -32,7 +32,7 @@ from bench.suites.units import WorkUnit
 from models.errors import ScenarioError
 from models.reading.options import check_option
 from pipelines.registry import registered_pipeline
-from renders.scenario.error_sets import ERROR_SETS
+from renders.scenario.error_sets import ALONE, ERROR_SETS
 from renders.scenario.scenario import Scenario
 
 PARTS = ("chaser", "hand", "sun-map", "sensitivity")
@@ -42,7 +42,7 @@ RUNS_IN_A_UNIT = 5
 # Of one core of 2025, before any was timed here: a frame by both variants, by columns of its image.
 FRAME_S = {CHASER: 0.12, "eye_in_hand": 0.2}
 RENDER_S_PER_GROUP = 1.2e-6  # s of one core a pixel, light group and exposure
-BYTES_PER_PIXEL = 1.3  # of an image in its file
+BYTES_PER_PIXEL = 1.3  # of an image in its file, at most: 1.2 at 256 columns, 0.6 to 1.0 at 2048
 GB = 1e9
 
 
@@ -53,7 +53,7 @@ class Sizes:
     Attributes
     ----------
     runs : int
-        Of each sequence that the paper flies a hundred times.
+        Of each sequence that the paper flies a hundred times, and under all errors together.
     seeds : int
         Runs under each error by itself.
     rates_hz : tuple of (str, float)
@@ -136,7 +136,7 @@ class Plan:
         """Return how many runs a sequence has."""
         if own.once:
             return 1
-        return self.sizes.seeds if "/" in own.name else self.sizes.runs
+        return self.sizes.seeds if _is_alone(own) else self.sizes.runs
 
     def scenario(self, flight: Flight) -> Scenario:
         """Return a flight's scenario."""
@@ -179,7 +179,11 @@ class Plan:
         together: dict[tuple[str, str], list[Sequence]] = {}
         for own in self.sequences:
             together.setdefault((own.flight.key, own.sun), []).append(own)
-        return [*together.values(), *(studies(name) for name in self.studied)]
+        studied = []
+        for name in self.studied:
+            for alone in (True, False):
+                studied.append([own for own in studies(name) if _is_alone(own) == alone])
+        return [*together.values(), *studied]
 
     def _of_group(self, group: Many[Sequence]) -> list[WorkUnit]:
         first = group[0]
@@ -189,7 +193,7 @@ class Plan:
         assert registered.settings is not None
         options = " ".join(registered.settings(variant) for variant in VARIANTS)
         frames = len(self.scenario(flight).times_s)
-        flown = "each_error" if "/" in first.name else "-".join(errors)
+        flown = "each_error" if _is_alone(first) else "-".join(errors)
         units = []
         total = self.runs(first)
         for number in range(0, total, RUNS_IN_A_UNIT):
@@ -251,12 +255,17 @@ class Price:
     render_s : float, s
         Of one core.
     size_gb : float
-        Of the frames' files.
+        Of the frames' files, at most.
     """
 
     frames: int
     render_s: float
     size_gb: float
+
+
+def _is_alone(own: Sequence) -> bool:
+    """Tell whether a sequence is flown under one error by itself, or none."""
+    return "/" in own.name and own.errors in ALONE
 
 
 def _part(own: Sequence) -> str:

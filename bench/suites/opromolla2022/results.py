@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.suites.opromolla2022.cases import BY_NAME, Sequence, published, studies
+from bench.suites.opromolla2022.asked import AskedLine, asked_of_study, asked_of_table
+from bench.suites.opromolla2022.cases import Sequence, studies
 from bench.suites.opromolla2022.plan import VARIANTS, Plan
 from bench.suites.opromolla2022.summaries import (
-    BesideThePaper,
     OverPaper,
     PerFrame,
     Runs,
     Statistics,
     SunVerdict,
-    beside_the_paper,
     exact,
+    lost_alone,
     over_paper,
     per_frame,
     statistics,
@@ -36,15 +36,14 @@ class FlownSequence:
     per_frame : dict
         By variant.
     over_paper : OverPaper or None
-    asked : list of BesideThePaper
-        Parameter by parameter; empty where the paper's table has it not.
+    asked : list of AskedLine
     """
 
     sequence: Sequence
     statistics: dict[str, Statistics | None]
     per_frame: dict[str, PerFrame]
     over_paper: OverPaper | None
-    asked: list[BesideThePaper]
+    asked: list[AskedLine]
 
 
 @dataclass(frozen=True)
@@ -114,19 +113,15 @@ class Outcomes:
         outcomes = self.of(own)
         runs = {variant: Runs(outcomes, own.errors, variant) for variant in VARIANTS}
         told = {variant: statistics(each) for variant, each in runs.items()}
-        best, peer = told["best"], statistics(exact(outcomes, own.errors))
-        printed = published()["results"].get(own.name)
-        asked = []
-        if own.name in BY_NAME and printed is not None and best is not None and peer is not None:
-            stds = [*printed["std_t_cm"], *printed["std_euler_deg"]]
-            asked = beside_the_paper(best, peer, stds)
-        return FlownSequence(
-            own,
-            {**told, "exact": peer},
-            {variant: per_frame(each) for variant, each in runs.items()},
-            over_paper(runs["best"], runs["paper"], by_runs),
-            asked,
-        )
+        peer = statistics(exact(outcomes, own.errors))
+        met = {variant: per_frame(each) for variant, each in runs.items()}
+        over = over_paper(runs["best"], runs["paper"], by_runs)
+        if by_runs:
+            alone = lost_alone(runs["best"], runs["paper"])
+            asked = asked_of_study(own.name, own.errors, over, met["best"], alone)
+        else:
+            asked = asked_of_table(own.name, told["best"], peer, over, met["best"])
+        return FlownSequence(own, {**told, "exact": peer}, met, over, asked)
 
     def _mapped(self, own: Sequence) -> MappedSun:
         runs = {variant: self.runs(own, variant) for variant in VARIANTS}

@@ -16,7 +16,7 @@ from bench.suites.code_fingerprint import code_fingerprint
 from bench.suites.folder import write_document
 from bench.suites.opromolla2022.frame_making import FlightFrames
 from bench.suites.opromolla2022.page import write_suite_page
-from bench.suites.opromolla2022.plan import PARTS, QUICK, VARIANTS, Plan, Sizes
+from bench.suites.opromolla2022.plan import GB, PARTS, QUICK, VARIANTS, Plan, Sizes
 from bench.suites.opromolla2022.results import FlownSequence, Outcomes
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
@@ -97,7 +97,7 @@ def run_plan(
     folder = plan.out / "units"
     left = [unit for unit in plan.units if not is_done(folder, unit)]
     flights = _flown_by(plan, left)  # what is flown needs no frames any more
-    _announce(plan, flights, left, workers, console)
+    _announce(plan, flights, left, workers, budget, console)
     for flight in flights:
         flight.make(store, budget, "auto", console)
     do_units(plan.units, folder, workers, console)
@@ -119,6 +119,7 @@ def _announce(
     flights: Sequence[FlightFrames],
     left: Sequence[WorkUnit],
     workers: int,
+    budget: float,
     console: Console,
 ) -> None:
     """Say what all of it will take before any of it is done."""
@@ -126,7 +127,8 @@ def _announce(
     flown_s = sum(unit.expected_s for unit in left)
     frames = "no frames are" if not price.frames else f"{price.frames} frames are"
     console.print(
-        f"{frames} to be rendered ({price.size_gb:.2g} GB, {told(price.render_s)} of one core) and "
+        f"{frames} to be rendered (at most {price.size_gb:.2g} GB in {plan.out}, their light "
+        f"within {budget / GB:.2g} GB of the store; {told(price.render_s)} of one core) and "
         f"{len(left)} of {len(plan.units)} units of runs to be flown over them "
         f"({told(flown_s)} of one core, {told(flown_s / workers)} with {workers} "
         f"worker{'s' if workers > 1 else ''}), as thought before anything is timed here",

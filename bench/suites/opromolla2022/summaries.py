@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.compare.bootstrap import Resampling, interval
+from bench.compare.bootstrap import FEWEST_BLOCKS, Resampling, interval
 from bench.scoring.metrics.pose_errors import POSE_DOF
 from bench.scoring.pairs.paper_statistics import temporal_statistics
 from bench.suites.consistency import Consistency, consistency, root_mean_square
@@ -18,9 +18,6 @@ from bench.suites.units import Outcome
 from models.arrays import AnyArray, Floats, Mask
 
 IN_TABLES = np.array([100.0, 100.0, 100.0, 1.0, 1.0, 1.0])  # cm and deg
-ALLOWED_OVER_PAPER = 1.02
-STANDARD_ERRORS = 3.0
-OVER_EXACT = 1.1
 SHOWN_ENOUGH = 0.9  # of a marker: it must be found
 PARAMETERS = ("tx", "ty", "tz", "alpha", "beta", "gamma")
 
@@ -163,45 +160,6 @@ def _finite(statistic: Callable[..., AnyArray], errors: Floats) -> list[float]:
 
 
 @dataclass(frozen=True)
-class BesideThePaper:
-    """One parameter of ``best`` held to what was asked of it.
-
-    Attributes
-    ----------
-    mean_holds : bool
-        Whether mu_N lies within three of its standard errors of zero.
-    std_holds : bool
-        Whether sigma_N is at most the paper's, or 1.1 of what exact centroids give.
-    """
-
-    mean_holds: bool
-    std_holds: bool
-
-
-def beside_the_paper(
-    own: Statistics, exact: Statistics, paper_std: Many[float]
-) -> list[BesideThePaper]:
-    """Hold ``best`` to the paper's table, parameter by parameter.
-
-    Parameters
-    ----------
-    own, exact : Statistics
-        Of ``best``, and of exact centroids.
-    paper_std : sequence of 6 floats
-        As printed, cm and deg.
-    """
-    return [
-        BesideThePaper(
-            abs(mean) <= STANDARD_ERRORS * spread,
-            std <= max(printed, OVER_EXACT * best_possible),
-        )
-        for mean, spread, std, printed, best_possible in zip(
-            own.mean, own.spread, own.std, paper_std, exact.std, strict=True
-        )
-    ]
-
-
-@dataclass(frozen=True)
 class OverPaper:
     """The rms of ``best`` over that of ``paper``, where both have a pose.
 
@@ -210,14 +168,14 @@ class OverPaper:
     ratio : list of 6 floats
     low, high : list of 6 floats
         Where it lies 95 times in 100, by a paired bootstrap.
-    not_worse : bool
-        Whether more than 2 % worse is excluded in all six.
+    decides : bool
+        Whether there are enough frames, or runs, for an interval to tell.
     """
 
     ratio: list[float]
     low: list[float]
     high: list[float]
-    not_worse: bool
+    decides: bool
 
 
 def over_paper(best: Runs, paper: Runs, by_runs: bool) -> OverPaper | None:
@@ -228,7 +186,8 @@ def over_paper(best: Runs, paper: Runs, by_runs: bool) -> OverPaper | None:
     best, paper : Runs
         Over the same frames.
     by_runs : bool
-        Whether runs are redrawn, each whole, instead of frames.
+        Whether runs are redrawn, each whole, instead of frames in blocks. There are six blocks
+        at least, of the usual length where frames suffice.
 
     Returns
     -------
@@ -245,18 +204,31 @@ def over_paper(best: Runs, paper: Runs, by_runs: bool) -> OverPaper | None:
         np.where(both[..., None], own.errors**2, 0.0).sum(axis=axis)[chosen]
         for own in (best, paper)
     ]
-    how = Resampling(block_frames=1 if by_runs else None)
-    drawn = np.concatenate(list(how.draws(int(chosen.sum()))))
+    drawn_from = int(chosen.sum())
+    usual = 1 if by_runs else Resampling().block(drawn_from)
+    how = Resampling(block_frames=max(1, min(usual, drawn_from // FEWEST_BLOCKS)))
+    drawn = np.concatenate(list(how.draws(drawn_from)))
     ratios = np.sqrt(squares[0][drawn].sum(axis=1) / squares[1][drawn].sum(axis=1))
     ends = [interval(column) for column in ratios.T]
     ratio = np.sqrt(squares[0].sum(axis=0) / squares[1].sum(axis=0))
-    high = [end[1] for end in ends]
     return OverPaper(
         ratio.tolist(),
         [end[0] for end in ends],
-        high,
-        bool(max(high) <= ALLOWED_OVER_PAPER),
+        [end[1] for end in ends],
+        how.decides(drawn_from),
     )
+
+
+def lost_alone(best: Runs, paper: Runs) -> int:
+    """Count frames, over all runs, in which ``paper`` has a pose and ``best`` has none.
+
+    Parameters
+    ----------
+    best, paper : Runs
+        Over the same frames.
+    """
+    lost, kept = ~np.isfinite(best.errors[..., 0]), np.isfinite(paper.errors[..., 0])
+    return int((lost & kept).sum())
 
 
 @dataclass(frozen=True)

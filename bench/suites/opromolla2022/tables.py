@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from bench.report.numbers import NONE, count, number, numbers, share
 from bench.report.table import TITLES, Table
+from bench.suites.opromolla2022.asked import ALLOWED_OVER_PAPER, MEAN, RATIO, STD
 from bench.suites.opromolla2022.cases import published
 from bench.suites.opromolla2022.results import FlownSequence, MappedSun
 from bench.suites.opromolla2022.summaries import PARAMETERS, PerFrame, Statistics
@@ -28,15 +29,15 @@ def paper_table(flown: Sequence[FlownSequence]) -> Table:
     for own in flown:
         sections[len(rows)] = _title(own)
         printed = published()["results"][own.sequence.name]
-        for name, what in (("mean", "mean"), ("std", "std")):
+        for name, line in (("mean", MEAN), ("std", STD)):
             told = [*printed[f"{name}_t_cm"], *printed[f"{name}_euler_deg"]]
-            rows.append([f"{what}, {PRINTED}", *_signed(told), ""])
+            rows.append([f"{name}, {PRINTED}", *_signed(told), ""])
             for variant in (*SHOWN, "exact"):
                 rows.append(
                     [
-                        f"{what}, {_called(variant)}",
+                        f"{name}, {_called(variant)}",
                         *_signed(_of(own.statistics[variant], name)),
-                        _asked(own, name) if variant == "best" else "",
+                        _asked(own, line) if variant == "best" else "",
                     ]
                 )
     return Table(head, rows, ASKED_TERMS, sections)
@@ -61,12 +62,12 @@ def _signed(values: Sequence[float] | None) -> list[str]:
     return [number(value, 2) for value in values]
 
 
-def _asked(own: FlownSequence, name: str) -> str:
-    if not own.asked:
+def _asked(own: FlownSequence, line: str) -> str:
+    told = next((each for each in own.asked if each.line == line), None)
+    if told is None or told.holds is None:
         return NONE
-    kept = [each.mean_holds if name == "mean" else each.std_holds for each in own.asked]
-    broken = [p for p, holds in zip(PARAMETERS, kept, strict=True) if not holds]
-    return "holds" if not broken else f"does not hold: {', '.join(broken)}"
+    broken = [each.of for each in told.figures if each.holds is False]
+    return "holds" if told.holds else f"does not hold: {', '.join(broken)}"
 
 
 def centroid_table(flown: Iterable[FlownSequence]) -> Table:
@@ -135,7 +136,7 @@ def _ratio_cells(own: FlownSequence) -> list[str]:
         return [NONE, NONE]
     worst = max(range(len(PARAMETERS)), key=lambda place: over.high[place])
     between = f"{number(over.low[worst], 2)} to {number(over.high[worst], 2)}"
-    verdict = "" if over.not_worse else ", not excluded"
+    verdict = "" if over.high[worst] <= ALLOWED_OVER_PAPER else ", not excluded"
     return [
         f"{number(min(over.ratio), 2)} to {number(max(over.ratio), 2)}",
         f"{PARAMETERS[worst]}: {between}{verdict}",
@@ -211,7 +212,6 @@ def headline_table(flown: Iterable[FlownSequence]) -> Table:
     rows = []
     for own in flown:
         best, paper = own.per_frame["best"], own.per_frame["paper"]
-        over = own.over_paper
         rows.append(
             [
                 own.sequence.name,
@@ -221,9 +221,9 @@ def headline_table(flown: Iterable[FlownSequence]) -> Table:
                 number(paper.attitude_deg[2] if paper.attitude_deg else None),
                 count(best.lost),
                 count(paper.lost),
-                NONE if over is None else "holds" if over.not_worse else "not excluded",
-                _asked(own, "mean"),
-                _asked(own, "std"),
+                _asked(own, RATIO),
+                _asked(own, MEAN),
+                _asked(own, STD),
             ]
         )
     terms = {

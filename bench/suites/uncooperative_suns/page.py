@@ -74,8 +74,11 @@ def write_suite_page(
                 Figure(
                     svg_address(reliability_figure(leading)), "Share wrong against what was told"
                 ),
-            ),
+            )
+            if _claims(leading).rows
+            else (),
             tables=(TitledTable("Claims", _claims(leading)),),
+            nothing="No pose was claimed: there is nothing to hold against what was told.",
         )
     ]
     for target, own in results.items():

@@ -149,10 +149,19 @@ def read_lines_of(path: Path) -> tuple[str, ...]:
 
     Raises
     ------
-    DatasetError
-        If it is no regular file, too large, or no UTF-8.
+    UnreadableError
+        If it is not there, no regular file, too large, or no UTF-8.
     """
-    return tuple(read_lines(path, MOST_TOML_BYTES))
+    try:
+        return tuple(read_lines(path, MOST_TOML_BYTES))
+    except UnreadableError as error:
+        if path.exists():
+            raise
+        raise UnreadableError(
+            path,
+            f"expected the TOML of a spacecraft, got: {error.told}; `rvbench inspect MESH` writes "
+            "one beside a mesh, `rvbench list` shows the targets that need none",
+        ) from error
 
 
 def description_of(lines: tuple[str, ...], where: str, folder: Path) -> OwnDescription:

@@ -19,7 +19,7 @@ from models.spacecraft.own.welded import Welded, welded
 LARGE_M, SMALL_M = 110.0, 0.05  # the largest station, a picosatellite
 MANY_FACES, MANY_PARTS = 1_000_000, 200
 OFF_HULL_SHARE = 1e-6  # of the size
-LIKELY_M = (0.3, 60.0)  # the size of a spacecraft, if its mesh is in metres; if not, the first
+LIKELY_M = 60.0  # the most of a spacecraft whose mesh is in metres; beyond, it is the first
 GUESSED = ("mm", "m", "cm", "in")  # of these that gives a possible size
 
 
@@ -118,8 +118,7 @@ def guessed_unit(mesh: MeshFile) -> str:
     if mesh.path.suffix.lower() in IN_METRES:
         return "m"
     largest = float(size_of(mesh).max())
-    low, high = LIKELY_M
-    if low <= largest <= high:
+    if largest <= LIKELY_M:
         return "m"
     possible = [unit for unit in GUESSED if SMALL_M <= UNITS_M[unit] * largest <= LARGE_M]
     return [*possible, "m"][0]

@@ -97,3 +97,12 @@ def test_few_blocks_tell_no_two_apart_and_as_many_as_decide_seldom_do_by_chance(
     values = {"one": {"speed": np.zeros(few + block_frames)}}
     values["other"] = {"speed": np.ones(few + block_frames)}
     assert leaderboard(values, "speed", [], how).pairs[0].told_apart
+
+
+def test_why_two_methods_are_not_told_apart_is_said():
+    rng = np.random.default_rng(5)
+    for frames, said in ((5, "no: 2 blocks, 6 needed"), (40, "no: the interval holds 0")):
+        draws = {name: {"speed": rng.uniform(1.0, 2.0, frames)} for name in ("one", "other")}
+        assert leaderboard(draws, "speed", [], Resampling()).pairs[0].verdict == said
+    far = {"near": {"speed": rng.uniform(1, 2, 40)}, "far": {"speed": rng.uniform(8, 9, 40)}}
+    assert leaderboard(far, "speed", [], Resampling()).pairs[0].verdict == "yes"

@@ -73,6 +73,7 @@ def test_pairs_are_of_the_same_frames(table):
     low, high = far["difference"]["interval"]
     assert high - low < 1e-3 * 0.01
     assert not far["told_apart"]  # of four blocks of two frames: too few to say it
+    assert far["blocks"] == 4
     near = pairs["far", "near"]
     assert near["better_share"]["value"] == 0.125  # in the frame that near has lost
     assert not near["told_apart"]

@@ -3,6 +3,7 @@
 import dataclasses
 import shutil
 from contextlib import nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import renders.batches.render_case
 import renders.batches.replay
 from bench import api
+from bench.cli import main
 from bench.estimating.contenders import Contender
 from bench.estimating.repeated_runs import repeat_runs, runs_left
 from bench.estimating.runs import (
@@ -25,6 +27,7 @@ from models.dataset.dataset import open_dataset
 from models.dataset.estimates_file import read_estimates, read_runtimes
 from models.errors import DatasetError
 from models.frame import IMAGE_850
+from tests.support.own_meshes import textured_glb
 from tests.support.synthetic_dataset import write_dataset
 
 A_MILLIMETRE = 1.0
@@ -199,7 +202,7 @@ def test_the_whole_job_in_one_call(replayed, tmp_path, monkeypatch):
     dataset, exposed = replayed
     asked = []
 
-    def render_case(request):
+    def render_case(request, check):
         asked.append(request)
         shutil.copytree(dataset.folder, request.out, ignore=shutil.ignore_patterns("estimates"))
 
@@ -215,6 +218,30 @@ def test_the_whole_job_in_one_call(replayed, tmp_path, monkeypatch):
     assert score["runs"] == 2
     assert (out / "score.json").is_file()
     assert (out / "report.html").is_file()
+
+
+def test_frames_that_nobody_estimates_are_refused_before_they_are_rendered(
+    tmp_path, capsys, monkeypatch
+):
+    """A target of one's own at poses of a table: ours need an orbit, or markers in image pairs."""
+    monkeypatch.chdir(tmp_path)
+    Path("craft.toml").write_text(
+        f'name = "craft"\nmesh = "{textured_glb(tmp_path / "craft.glb").name}"\n'
+    )
+    frame = "cam_from_target"
+    head = [f"t_{frame}_{axis}_m" for axis in "xyz"] + [f"q_{frame}_{axis}" for axis in "wxyz"]
+    Path("poses.csv").write_text(f"time_s,{','.join(head)}\n0,0,0,9,1,0,0,0\n1,0,0,8,1,0,0,0\n")
+    Path("mine.toml").write_text(
+        'name = "mine"\ntarget = "craft.toml"\n'
+        "[camera]\nwidth = 64\nheight = 64\nfov_deg = 40.0\n"
+        '[motion]\nfile = "poses.csv"\n[sun]\ndefault = "0,0,-1"\n'
+        '[exposure]\nmode = "fixed"\nexposure_ms = 1.0\n'
+    )
+    assert main(["run", "mine.toml", "--out", "out"]) == 2
+    said = capsys.readouterr().err
+    for told in ("uncooperative lacks chaser_orbit", "[tumble]", "Nothing was rendered"):
+        assert told in said
+    assert not Path("out").exists()
 
 
 def test_estimates_of_a_pipeline_that_did_not_run_now_are_told_of(tmp_path, capsys):

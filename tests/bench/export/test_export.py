@@ -155,6 +155,17 @@ def test_the_check_can_fail(damage, told, exported, tmp_path, capsys):
     assert told in capsys.readouterr().out
 
 
+def test_both_boxes_of_coco_are_given_alike(exported):
+    """What is seen lies within the whole, both as x, y, width and height."""
+    table = json.loads((exported("coco") / "annotations" / "train.json").read_text())
+    for own in table["annotations"]:
+        (x, y, w, h), (left, top, width, height) = own["bbox"], own["box_of_whole"]
+        assert left <= x
+        assert top <= y
+        assert x + w <= left + width
+        assert y + h <= top + height
+
+
 def test_the_check_sees_a_moved_keypoint_and_a_false_box(exported, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(exported("coco"), out)

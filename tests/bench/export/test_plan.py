@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from bench.cli import main
+from bench.export import exporter
 from bench.export.keypoints import HIDDEN, OUTSIDE, SHADOW, VISIBLE, keypoint_model, states_of
 from bench.export.picture import MOSAICS, picture_of
 from bench.export.plan import depth_scale_mm, make_plan
@@ -47,6 +49,23 @@ def test_splits_are_drawn_by_the_seed_and_streams_go_together(sources):
     first = [drawn[1, frame] for frame in range(20)]
     assert first != [drawn[2, frame] for frame in range(20)]
     assert len({shot.key for shot in plan.shots}) == len(plan.shots) == 80
+
+
+@pytest.mark.parametrize("drawn", [False, True], ids=["case", "random"])
+def test_a_dataset_that_lacks_images_is_refused_with_their_number(
+    drawn, tmp_path, capsys, monkeypatch
+):
+    folder = write_dataset(tmp_path / "part", 3, images=True, width_px=64).folder
+    for gone in sorted((folder / "frames").glob("*.png"))[1:]:
+        gone.unlink()
+    if drawn:
+        monkeypatch.setattr(exporter, "datasets_within", lambda given: [folder])
+    given, out = (tmp_path if drawn else folder), tmp_path / "out"
+    assert main(["export", str(given), "--as", "coco", "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert "all 6 images of the datasets to be there, 5 are missing" in said
+    assert ("without --only" in said) == drawn
+    assert not out.exists()
 
 
 def test_frames_of_a_block_stay_together(sources):

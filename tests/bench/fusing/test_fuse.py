@@ -24,6 +24,7 @@ from models.onboard import OnboardKnowledge
 from models.pose import RigidTransform
 from models.spacecraft.grasp_markers import GRASPING_POINT_M
 from pipelines.two_cameras.fusion import difference
+from tests.support.half_written import left_half_written
 
 ARM = house_arm()
 JOINTS_DEG = np.array(NEAR_DEG, dtype=np.float64)
@@ -102,7 +103,9 @@ def test_the_frames_of_the_hand_get_poses_by_whoever_speaks(flight: Flight) -> N
         assert each.pose is not None
         away = difference(each.pose.cam_from_target, HAND_FROM_TARGET)
         np.testing.assert_allclose(away, 0.0, atol=1e-9)
+    half = left_half_written(out)
     fuse(hand, chaser, out)  # what it wrote it may write again
+    assert not half.exists()
 
 
 def test_what_are_no_two_cameras_of_one_flight_is_refused(flight: Flight) -> None:

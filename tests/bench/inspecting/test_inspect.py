@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -12,11 +14,13 @@ import trimesh
 
 from bench.cli import main
 from bench.inspecting.inspection import inspect_file, start_name
-from bench.inspecting.start_text import target_text
+from bench.inspecting.start_text import start_text, target_text
+from models.errors import DatasetError
 from models.spacecraft.own.build import read_own_target
 from models.spacecraft.own.description import description_of
 from models.spacecraft.own.faults import guessed_unit
 from models.spacecraft.own.mesh_file import read_mesh_file
+from tests.support.half_written import left_half_written
 from tests.support.own_meshes import (
     broken_ply,
     gltf_tree,
@@ -72,7 +76,10 @@ def test_it_writes_a_toml_that_can_be_used_and_a_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mesh = textured_glb(tmp_path / "boxsat.glb")
+    names = ("boxsat.toml", "boxsat.inspect.png")
+    half = [left_half_written(tmp_path / name) for name in names]
     assert main(["inspect", str(mesh)]) == 0
+    assert not any(each.exists() for each in half)
     out = capsys.readouterr().out
     assert "bus" in out
     assert "linear red" in out
@@ -132,3 +139,20 @@ def test_a_unit_is_guessed_from_the_size(tmp_path: Path, scale: float, unit: str
     whole.apply_scale(1e-3 * scale)
     whole.export(mesh)
     assert guessed_unit(read_mesh_file(mesh)) == unit
+
+
+def test_what_rounding_leaves_of_a_zero_is_written_as_zero(tmp_path: Path) -> None:
+    """A box has no products of inertia; of its triangles some 1e-15 of them are left."""
+    trimesh.creation.box((2.0, 1.1, 0.7)).export(tmp_path / "plate.glb")
+    found = inspect_file(tmp_path / "plate.glb", tmp_path)
+    products = found.placed.inertia_kg_m2[~np.eye(3, dtype=bool)]
+    placed = replace(found.placed, inertia_kg_m2=found.placed.inertia_kg_m2 + 1e-14)
+    text = start_text(found.target.description, found.mesh, placed, "plate.toml", False)
+    assert np.abs(products).max() < 1e-9
+    assert "inertia_kg_m2 = [[" in text
+    assert not re.search(r"\de-", text)
+
+
+def test_a_missing_target_is_told_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(DatasetError, match=r"expected the TOML of a spacecraft.*rvbench inspect"):
+        read_own_target(tmp_path / "nosat.toml")

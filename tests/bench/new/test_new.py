@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -10,17 +11,37 @@ import zipfile
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 
 from bench.cli import main
 from bench.new.case_text import case_text
+from bench.random_dataset.spec import read_spec
+from docs.site.page_blocks import blocks_of
 from models.camera import Camera, camera_preset
 from models.dataset.estimates_file import read_estimates
+from models.onboard import OnboardKnowledge, PosePrior
+from models.sensors.camera_chip import Detector
+from models.spacecraft.own.build import read_own_target
 from pipelines.registry import pipeline_names
 from renders.scenario.own_target import OwnTargetTable
 from renders.scenario.scenario import RenderRequest, Scenario, read_scenario, resolve
+from tests.support.half_written import left_half_written
+from tests.support.own_meshes import textured_glb
 from tests.support.patience import HANGS_S
+from tests.support.synthetic_pair import (
+    CAMERA_1024,
+    PATTERN,
+    PRIOR_SIGMA_DEG,
+    PRIOR_SIGMA_M,
+    Scene,
+    drawn_prior,
+    facing_pose,
+    render_pair,
+)
+
+FOUND_WITHIN_M = 0.01  # no marker was taken for another: they are 0.2 m apart and more
 
 HOUSE = Path(__file__).resolve().parents[3]
 UNCOMMENTED = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
@@ -30,6 +51,13 @@ UNCOMMENTED = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
 def here(tmp_path, monkeypatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.mark.parametrize("kind", ["case", "camera", "dataset"])
+def test_what_was_left_half_written_is_swept(here, kind):
+    half = left_half_written(here / "mine.toml")
+    assert main(["new", kind, "mine"]) == 0
+    assert not half.exists()
 
 
 def test_a_case_can_be_rendered_as_it_is(here, capsys):
@@ -112,6 +140,31 @@ def test_a_name_that_is_none(here, name):
     assert list(here.iterdir()) == []
 
 
+@pytest.mark.parametrize("kind", ["case", "camera", "target", "dataset"])
+def test_what_is_written_is_accepted_under_a_name_with_dashes(here, kind):
+    """A pipeline, by its own tests below, is called my-finder."""
+    name = "my-own-2"
+    if kind == "target":
+        textured_glb(here / f"{name}.glb")
+    assert main(["new", kind, name]) == 0
+    read = {
+        "case": read_scenario,
+        "camera": Camera.from_toml,
+        "target": read_own_target,
+        "dataset": read_spec,
+    }
+    assert read[kind](here / f"{name}.toml")
+
+
+@pytest.mark.parametrize(("kind", "most"), [("dataset", 32), ("case", 100)])
+def test_a_name_that_would_be_refused_later_is_refused_now(here, kind, most, capsys):
+    assert main(["new", kind, "n" * (most + 1)]) == 2
+    assert f"{most} at most" in capsys.readouterr().err
+    assert list(here.iterdir()) == []
+    assert main(["new", kind, "n" * most]) == 0
+    (read_spec if kind == "dataset" else read_scenario)(here / f"{'n' * most}.toml")
+
+
 # A pipeline in a package of its own
 
 
@@ -151,23 +204,56 @@ def test_a_pipeline_is_found_and_says_why_it_finds_nothing(package, scored_datas
     assert (data / "estimates" / "best.jsonl").read_bytes() == before
 
 
-def test_the_test_of_a_pipeline_passes_and_can_fail(package):
-    def tried() -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "."],
-            cwd=package,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join((str(HOUSE), str(package)))},
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=HANGS_S,
-        )
+def tried(package: Path) -> subprocess.CompletedProcess[str]:
+    """Run the test that lies beside a new pipeline."""
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "."],
+        cwd=package,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join((str(HOUSE), str(package)))},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=HANGS_S,
+    )
 
-    passed = tried()
+
+def test_the_test_of_a_pipeline_passes_and_can_fail(package):
+    passed = tried(package)
     assert passed.returncode == 0, passed.stdout
     module = package / "my_finder.py"
     module.write_text(module.read_text().replace("return Estimate(", "return None and Estimate("))
-    assert tried().returncode == 1
+    assert tried(package).returncode == 1
+
+
+# The tutorial's pipeline, which takes its place
+
+
+@pytest.fixture
+def tutorials(package) -> Path:
+    page = (HOUSE / "docs" / "tutorials" / "score-own-pipeline.md").read_text()
+    (block,) = (each for each in blocks_of(page) if each.name == "my-finder/my_finder.py")
+    (package / "my_finder.py").write_text(block.body)
+    return package
+
+
+def test_the_tutorials_pipeline_passes_the_test_beside_it(tutorials):
+    passed = tried(tutorials)
+    assert passed.returncode == 0, passed.stdout
+
+
+@pytest.mark.parametrize("width", [512, 1024])
+def test_the_tutorials_pipeline_finds_markers_in_images_of_any_size(tutorials, width):
+    """From first poses drawn by its sigmas; a gate of some pixels would suit one size alone."""
+    names = runpy.run_path(str(tutorials / "my_finder.py"))
+    scene, pose = Scene(camera=CAMERA_1024.resized(width)), facing_pose(3.1)
+    frame = render_pair(scene, pose)
+    for seed in range(5):
+        prior = PosePrior(drawn_prior(pose, seed), PRIOR_SIGMA_M, PRIOR_SIGMA_DEG)
+        onboard = OnboardKnowledge(scene.camera, Detector(), markers=PATTERN, prior=prior)
+        said = names["PIPELINE"].make(onboard, "default").process(frame)
+        assert said.pose is not None, said.reason
+        found = said.pose.cam_from_target.translation
+        assert np.linalg.norm(found - pose.translation) < FOUND_WITHIN_M
 
 
 def test_a_pipeline_can_be_built(here, tmp_path):

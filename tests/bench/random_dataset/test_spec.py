@@ -2,13 +2,17 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import tomli_w
 
+from bench import api
 from bench.cli import main
 from bench.new.dataset_text import dataset_text
+from bench.random_dataset.folder import FOLDER
+from bench.random_dataset.parts import parts_of
 from bench.random_dataset.spec import check_spec, differences, read_spec
 from bench.random_dataset.spec_tables import Spec
 from models.camera import Camera
@@ -48,7 +52,8 @@ def read(folder: Path, **changed: Any) -> Spec:
         ({"background": {"space": 0}}, "expected one of background.space, stars and earth above"),
         ({"camera": [{"name": "a"}, {"name": "A"}]}, r"each \[\[camera\]\] with a name of its own"),
         ({"target": [{"spacecraft": "xmm"}] * 2}, "with a spacecraft of its own, got 'xmm' 2"),
-        ({"camera": [{"name": "../up"}]}, "camera.0.name of letters, digits, _ and . alone"),
+        ({"camera": [{"name": "../up"}]}, r"camera\.0\.name of letters, digits, _, \. and - alone"),
+        ({"name": "n" * 33}, "name of letters, .* alone, 32 at most"),
         ({"camera": [{"name": "a", "preset": "no"}]}, "no"),
         ({"camera": [{"name": "a", "width": 64, "height": 64}]}, "camera a: expected camera.fx"),
         ({"target": []}, "target"),
@@ -71,6 +76,25 @@ def test_what_is_no_specification_is_told(tmp_path: Path, text: str) -> None:
         read_spec(tmp_path / "spec.toml")
     with pytest.raises(ScenarioError, match="rvbench new dataset"):
         read_spec(tmp_path / "absent.toml")
+
+
+@pytest.mark.parametrize(
+    ("only", "told"),
+    [(("--only", "0", "4"), "without --only renders them"), ((), "same command renders them")],
+)
+def test_what_renders_the_frames_that_are_left_is_told(only, told, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(api, "dataset", lambda *_, **__: SimpleNamespace(left=55, folders=[]))
+    assert main(["dataset", "spec.toml", "--out", "out", *only]) == 0
+    assert f"left: 55 frames; the same command {told.removeprefix('same command ')}" in (
+        capsys.readouterr().out
+    )
+
+
+def test_names_with_dashes_lead_to_folders_that_are_found_again(tmp_path: Path) -> None:
+    spec = read(tmp_path, name="my-frames", camera=[{"name": "left-eye", "width": 64}])
+    (part,) = parts_of(spec, tmp_path / "spec.toml")
+    assert part.name == "hispasat-left-eye"
+    assert FOLDER.fullmatch(part.name)
 
 
 def test_a_cameras_file_lies_beside_the_specification(tmp_path: Path) -> None:

@@ -1,18 +1,22 @@
 """The report holds what it must, opens offline, and knows what it has no number for."""
 
+import io
 import re
 import shutil
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from bench import api
 from bench.report.explorer.inlined import HERE as EXPLORER
 from bench.report.explorer.inlined import LIBRARIES
 from bench.report.filmstrip import MOST_FRAMES, chosen
 from bench.report.numbers import number, numbers, share
-from bench.report.pairs.tables import TERMS
+from bench.report.pairs.tables import TERMS, at_the_bound, headline_table
+from bench.report.summary import print_table
+from bench.report.table import Table, without_pose
 from bench.report.time_plot import size_plots
 from models.errors import DatasetError
 from tests.support.synthetic_dataset import (
@@ -23,6 +27,8 @@ from tests.support.synthetic_dataset import (
 )
 
 LARGEST_BYTES = 6_000_000
+DRAWS = 20_000
+QUANTILES_WITHIN = 0.03  # of so many draws, four sigma of the widest
 REFERENCES = {"src", "href", "srcset", "data", "action", "poster", "background"}
 
 
@@ -133,6 +139,28 @@ def test_lost_frames_and_a_sun_of_no_paper(tmp_path):
     assert "No paper reports this Sun" in page.text
 
 
+def test_frames_that_could_not_be_seen_are_told_beside_those_missed(tmp_path):
+    """Every frame stands in some row: with a pose, missed, or with too few markers to be seen."""
+    dataset = write_dataset(tmp_path / "data", frames=3, width_px=128)
+    write_variant(dataset, "best", lambda truth: lost_estimate(truth, "too few"))
+    score = api.score(dataset.folder)
+    own = score["pipelines"]["best"]
+    own["core"]["lost"]["missed"] = 1
+    rows = {row[0]: row[1] for row in headline_table(score).rows}
+    named = ("with a pose", "without a pose", "missed", "could not be seen")
+    assert [rows[name] for name in named] == ["0", "3", "1", "2"]
+    assert without_pose(own["core"]) == "3 (1 missed, 2 could not be seen)"
+
+
+@pytest.mark.parametrize("poses", [1, 5, 40])
+def test_so_few_poses_leave_a_ratio_to_the_bound_to_chance(poses):
+    """Against draws: one number a pose, normal, over its own sigma."""
+    errors = np.random.default_rng(3).standard_normal((DRAWS, poses))
+    ratios = np.sqrt((errors**2).mean(axis=1))
+    drawn = np.quantile(ratios, (0.025, 0.975))
+    assert at_the_bound(poses) == pytest.approx(drawn, abs=QUANTILES_WITHIN)
+
+
 def test_one_frame_and_one_variant(tmp_path):
     dataset = write_dataset(tmp_path / "data", frames=1, width_px=128)
     write_variant(dataset, "paper", perfect_estimate)
@@ -180,7 +208,10 @@ def test_many_lost_frames_leave_room_for_others():
         (1234.5, "1234"),
         (0.0, "0"),
         (None, "–"),
-        (9.999e-8, "0"),
+        (9.999e-8, "1.00e−7"),
+        (-2.61e-6, "−2.61e−6"),
+        (1.00001e-5, "0.0000100"),
+        (5e-324, "4.94e−324"),
     ],
 )
 def test_numbers(value, text):
@@ -189,6 +220,7 @@ def test_numbers(value, text):
 
 def test_numbers_in_a_row():
     assert numbers([1.0, -2.0, 3.0], 2, signed=True) == ["+1.0", "−2.0", "+3.0"]
+    assert numbers([1e-6, -1e-6, 0.0], signed=True) == ["+1.00e−6", "−1.00e−6", "0"]
     assert numbers(None) == ["–", "–", "–"]
     assert share(0.98765) == "98.8 %"
     assert share(0.9997) == "99.97 %"  # not all of them
@@ -206,3 +238,16 @@ def test_a_position_error_of_metres_is_plotted_in_metres(errors_mm, unit):
     in_mm = {"mm": 1.0, "m": 1e3}[unit]
     values = [None if each is None else each * in_mm for each in position.lines[0].values]
     assert values == pytest.approx(errors_mm)
+
+
+@pytest.mark.parametrize("width", [44, 60, 80, 200])
+def test_a_narrow_terminal_breaks_no_numbers_apart(width):
+    """What does not fit side by side comes below; every cell is whole, in one line."""
+    cells = ["0.00884, 0.00258, 0.0283 mm", "−0.0189 (−0.0566 to 0)", "0.174 mm"]
+    rows = [["position rms", *cells], ["NEES", *reversed(cells)]]
+    stream = io.StringIO()
+    print_table(Console(file=stream, width=width), Table(["", *"abc"], rows, {}, {}), "title")
+    told = stream.getvalue()
+    assert all(told.count(cell) == 2 for cell in cells)
+    assert max(map(len, told.splitlines())) <= width
+    assert told.count("position rms") == {44: 3, 60: 3, 80: 2, 200: 1}[width]

@@ -1,15 +1,17 @@
 """``rvbench store``: what it prints, what it deletes, and how it exits."""
 
 import errno
+import io
 import os
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from bench.cli import main
-from bench.store.stored_light import age_text, size_text
+from bench.store.stored_light import age_text, holdings_table, size_text
 from models.errors import StorageError
 from renders.store.claims import Claim, held
 from renders.store.radiance_store import RadianceStore, entry_key
@@ -174,3 +176,16 @@ def test_a_folder_in_the_place_of_an_entry_is_named(store, capsys) -> None:
     with pytest.raises(StorageError, match=f"folder where the file {place.name} should be: move"):
         store.write(KEYS[0], np.zeros((4, 4), np.float32))
     assert (place / "mine").is_dir()
+
+
+def test_a_long_path_keeps_its_end_and_no_number_is_broken():
+    """The beginnings of paths are alike: what tells datasets apart is where they end."""
+    rows = [("flyp", "0.86,-0.38,0.33", f"/home/somebody/studies/a/long/way/{name}", "15",
+             "408.5 MB", "165.0 kB", "3 min ago") for name in ("first", "second")]  # fmt: skip
+    stream = io.StringIO()
+    Console(file=stream, width=90).print(holdings_table(rows, 90))
+    told = stream.getvalue()
+    assert len(told.splitlines()) == 6  # one line each, between a heading and empty ones
+    for text in ("way/first ", "way/second ", "…"):
+        assert text in told
+    assert told.count("408.5 MB") == told.count("3 min ago") == 2

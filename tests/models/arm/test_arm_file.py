@@ -95,6 +95,13 @@ def test_rows_in_a_file_are_the_arm():
     assert {capsule.radius_m for capsule in own.arm.capsules} == {0.06}
 
 
+def test_every_link_that_has_a_length_is_a_tube_and_the_hand():
+    """Rows of d = 0.30, 0, 1.05, 0, 1.00, 0 and 0.60 m: the arm is as long as its tubes."""
+    lengths_m = {tube.link: tube.length_m for tube in read(rows_as_toml()).arm.capsules}
+    told_m = {link + 1: row.d_m for link, row in enumerate(ROWS[:-1]) if row.d_m > 0.0}
+    assert lengths_m == pytest.approx({**told_m, len(ROWS): ROWS[-1].d_m})
+
+
 def test_a_tool_is_put_on_the_last_frame():
     plain = read(rows_as_toml()).arm
     longer = read(rows_as_toml("[tool]\nplace_m = [0.0, 0.0, 0.1]\nrpy_deg = [0, 90, 0]\n")).arm

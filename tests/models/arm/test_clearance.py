@@ -112,3 +112,17 @@ def test_every_place_of_a_surface_has_a_sample_nearby():
 
 def test_a_capsule_knows_its_length():
     assert Capsule(0, "rod", np.zeros(3), np.array([0.0, 3.0, 4.0]), 0.1).length_m == 5.0
+
+
+@pytest.mark.parametrize("cuts", [0.9, 1.0, 1.9, 2.0, 2.1, 4.99])
+def test_the_middle_of_the_worst_triangle_is_near_enough(cuts):
+    """Of an even triangle the middle of a cell is an edge over root 3 from its corners."""
+    edge_m = cuts * np.sqrt(3.0) * SAMPLED_M
+    corners = edge_m * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, np.sqrt(0.75), 0.0]])
+    points = sampled(corners[None])
+    cells = int(np.ceil(cuts - 1e-9))
+    middle = corners[0] + (corners - corners[0]).sum(axis=0) / 3.0 / cells
+    nearest = np.linalg.norm(points - middle, axis=1).min()
+    assert nearest == pytest.approx(edge_m / cells / np.sqrt(3.0))
+    assert nearest <= SAMPLED_M * (1.0 + 1e-9)
+    assert len(points) == (cells + 1) * (cells + 2) // 2

@@ -110,3 +110,11 @@ def test_the_middle_of_an_arm_is_halfway_between_its_limits():
     own = drawn_arm(np.random.default_rng(3))
     np.testing.assert_allclose(own.middle_rad - own.lower_rad, own.upper_rad - own.middle_rad)
     assert (own.upper_rad > own.lower_rad).all()
+
+
+def test_the_middle_is_as_far_from_either_limit():
+    joints, flange = joints_of(
+        [Row("a", 1.0, 0.0, 0.0, 0.0, -30.0, 90.0), Row("b", 1.0, 0.0, 0.0, 0.0, -170.0, 20.0)]
+    )
+    arm = Arm("two", RigidTransform.identity(), joints, flange, ())
+    np.testing.assert_allclose(np.rad2deg(arm.middle_rad), [30.0, -75.0])

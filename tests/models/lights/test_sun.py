@@ -8,12 +8,14 @@ from models.arrays import Floats
 from models.errors import ScenarioError
 from models.lights.sun import (
     ANGULAR_DIAMETER_DEG,
+    NAMED_SUNS,
     PASSBAND_IRRADIANCE_W_M2,
     SUN_CASES_DEG,
     direction_from_azimuth,
     sun_direction,
     unit_direction,
 )
+from models.lights.sun_names import SUN_NAMES
 from tests.support.strategies import vectors
 
 ROUNDING = 1e-15
@@ -82,9 +84,20 @@ def test_a_sun_that_is_not_three_finite_numbers_is_refused(text: str) -> None:
 @pytest.mark.parametrize("text", ["S8", "", "noon", "1;0;0"])
 def test_an_unknown_sun_is_told_which_there_are(text: str) -> None:
     with pytest.raises(
-        ScenarioError, match="S1, S2, S3, S4, S5, S6, S7, E-SB, E-S1 to E-S36 or a vector x,y,z"
+        ScenarioError, match=r"S1 to S7, E-SB, E-S1 to E-S36 \(`rvbench list`\) or a vector x,y,z"
     ):
         sun_direction(text)
+
+
+def test_the_words_for_all_suns_leave_none_out() -> None:
+    """One text is shown wherever Suns are told of: in help, in start files, in the reference."""
+    told: list[str] = []
+    for part in SUN_NAMES.split(", "):
+        first, _, last = part.partition(" to ")
+        stem, start = first.rstrip("0123456789"), first.lstrip("ES-B")
+        ends = range(int(start), int(last.removeprefix(stem)) + 1) if last else ()
+        told += [f"{stem}{number}" for number in ends] if last else [first]
+    assert told == list(NAMED_SUNS)
 
 
 def test_the_disc_and_its_light() -> None:

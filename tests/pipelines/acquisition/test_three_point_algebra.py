@@ -156,3 +156,9 @@ def test_triples_flatter_than_a_twentieth_are_left_out(altitude: float, kept: bo
     triples = LandmarkTriples.of(points, np.array([[0, 1, 2], [2, 0, 1], [1, 2, 0]]))
     assert len(triples) == 3 * kept
     assert len(LandmarkTriples.among(points, np.array([0, 1, 2]))) == 6 * kept
+
+
+def test_the_root_is_found_where_cardanos_term_is_exactly_one_or_none() -> None:
+    """z^3 + 1.5 z - 0.875 has the root 1/2 by u = 1; z^3 has none but 0, by u = 0."""
+    found = tested._largest_cubic_root(np.zeros(2), np.array([1.5, 0.0]), np.array([-0.875, 0.0]))
+    assert found == pytest.approx([0.5, 0.0], abs=1e-12)

@@ -19,7 +19,6 @@ from pipelines.detection.circularity import chain_perimeters, circularity, croft
 from pipelines.pnp import consistency
 from pipelines.pnp.consistency import common_variance_px2, deletion_gains, find_outliers
 from pipelines.pnp.levenberg_marquardt import solve_pose
-from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.problem import PnpProblem
 
 CAMERA = Camera.from_fov(1000, 900, 45.0)
@@ -143,14 +142,3 @@ def test_among_errors_larger_than_foreseen_a_gross_one_is_still_named() -> None:
         off[3] += [16.0, 12.0]
         named.append(find_outliers(*problem_of(off), 4.0, SOLVER) == (3,))
     assert np.mean(named) >= 5 / 6
-
-
-def test_a_pose_is_so_many_sigmas_from_a_predicted_one() -> None:
-    """By hand: 0.02 rad of 0.01 and 0.3 m of 0.1; of one known to nothing, far, not an error."""
-    sigmas = np.array([0.01, 0.02, 0.03, 0.1, 0.2, 0.3])
-    predicted = PredictedPose(TRUTH, np.diag(sigmas**2), 0)
-    away = TRUTH.perturbed([0.02, 0.0, 0.0], [0.3, 0.0, 0.0])
-    assert predicted.squared_distance(away) == pytest.approx(4.0 + 9.0, rel=1e-4)
-    certain = PredictedPose(TRUTH, np.zeros((6, 6)), 0)
-    assert certain.squared_distance(away) > 1e3
-    assert certain.squared_distance(TRUTH) == pytest.approx(0.0, abs=1e-12)

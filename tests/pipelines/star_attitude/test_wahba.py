@@ -61,3 +61,10 @@ def test_the_covariance_of_three_stars_square_to_each_other_is_half_a_stars() ->
     found = wahba_covariance(np.eye(3), np.array([1e-10, 4e-10, 4e-10]))
     expected = 1.0 / np.array([0.5e10, 1.25e10, 1.25e10])
     np.testing.assert_allclose(found, np.diag(expected))
+
+
+def test_three_stars_at_right_angles_tell_each_axis_by_two():
+    """Each axis is told by the two stars across it: half of a star's variance, exactly."""
+    variance = 2.5e-9
+    found = wahba_covariance(np.eye(3), np.full(3, variance))
+    np.testing.assert_allclose(found, 0.5 * variance * np.eye(3), rtol=1e-12, atol=1e-24)

@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi
 
-from pipelines.unknown_target.robust_weights import of_most, of_tracks, spread, weights
+from pipelines.unknown_target.robust_weights import MEDIANS, of_most, of_tracks, spread, weights
 
 GATE = 3.0
+PRINTED = 5e-5  # half of the last digit
+
+
+def test_the_median_of_a_length_is_chis() -> None:
+    """Of one number the normal's quartile, of two Rayleigh's root of 2 ln 2."""
+    for numbers, median in MEDIANS.items():
+        assert median == pytest.approx(chi.ppf(0.5, numbers), abs=PRINTED)
 
 
 @pytest.mark.parametrize("numbers", [1, 2])

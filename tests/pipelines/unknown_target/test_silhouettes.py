@@ -103,8 +103,9 @@ def test_few_outlines_tell_nothing():
     assert np.isnan(outlined(seen).entries(seen, seen, 3.0)).all()
 
 
-def test_an_outline_that_lacks_a_part_in_few_images_carves_nothing(round_it):
-    seen, outlines = round_it
+def test_an_outline_in_a_hundred_that_lacks_a_part_carves_nothing():
+    seen = views(360.0, 100)
+    outlines = outlined(seen)
     torn = Silhouettes(CAMERA, list(outlines.frames), list(outlines.packed))
     torn.packed[7] = np.zeros_like(torn.packed[7])
     whole, mended = (each.entries(seen, seen, 3.0) for each in (outlines, torn))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 import trimesh
 
 from models.dataset.dataset import open_dataset
@@ -17,6 +19,7 @@ from models.errors import DatasetError, ScenarioError
 from models.frame import CHASER_ORBIT, Frame
 from models.spacecraft.part import Part, Spacecraft
 from renders.batches.dataset_writer import image_path
+from renders.batches.render_case import exposure_note
 from renders.batches.replay import exposed_frames, light_held
 from renders.scenario.scenario import Scenario
 from renders.store.sealed_exr import read_exr
@@ -248,6 +251,29 @@ def test_what_needs_another_sky_is_refused(tumbled: TinyTumble) -> None:
         with pytest.raises(ScenarioError, match=said):
             TinyTumble(replace(tumbled.request, **options)).render()  # type: ignore[arg-type]
     assert tumbled.files() == before
+
+
+def test_which_setting_differs_is_told(tumbled: TinyTumble) -> None:
+    case = Path(tumbled.request.case)
+    table = tomllib.loads(case.read_text())
+    table["optics"] = {**table.get("optics", {}), "psf_sigma_px": 0.77}
+    case.write_text(tomli_w.dumps(table))
+    with pytest.raises(DatasetError, match=r"with optics\.psf_sigma_px \S+, now 0\.77\)"):
+        TinyTumble(tumbled.request).render()
+
+
+@pytest.mark.parametrize(
+    ("mode", "width", "told"), [("fixed", 64, "1024 times"), ("fixed", 0, ""), ("schedule", 64, "")]
+)
+def test_what_a_typed_exposure_comes_to_at_another_width_is_told(
+    mode: str, width: int, told: str
+) -> None:
+    """Of pixels 32 times as wide an exposure of 2 s is 32^2 times shorter."""
+    table = tumble_table(exposure={"mode": mode, "exposure_ms": 2048.0})
+    table["camera"] = {"preset": "chaser_fixed", "width": width or 2048}
+    note = exposure_note(Scenario.model_validate(table))
+    assert ("2 ms for these, 32 times as wide" in note) == bool(told)
+    assert bool(note) == bool(told)
 
 
 def test_a_folder_of_pairs_is_left_alone(tumbled: TinyTumble) -> None:

@@ -13,6 +13,7 @@ import pytest
 from models.errors import VariantError
 from renders.variant import choice as variant
 from renders.variant import probe_cache
+from tests.support.half_written import left_half_written
 from tests.support.patience import HANGS_S
 
 A_SECOND = 1.0  # of the hour that the sleeper sleeps
@@ -223,3 +224,10 @@ def test_a_process_keeps_its_variant() -> None:
 def test_activating_what_does_not_load_says_what_to_do() -> None:
     done = run_python("from renders.variant.choice import activate; activate('llvm')")
     assert "VariantError: expected llvm_ad_rgb to load, got: no libLLVM found" in done.stderr
+
+
+def test_what_was_left_half_written_of_a_record_is_swept():
+    half = left_half_written(probe_cache._record_path("llvm_ad_rgb", "here"))
+    probe_cache.write("llvm_ad_rgb", "here", {"renders": True})
+    assert not half.exists()
+    assert probe_cache.read("llvm_ad_rgb", "here") == {"renders": True}
