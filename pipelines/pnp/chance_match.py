@@ -9,7 +9,7 @@ and Morel 2000, "Meaningful alignments").
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtrc
 
 from pipelines.pnp.hypotheses import MOST_TRIPLES
 
@@ -41,4 +41,6 @@ def false_alarms(
     poses = min(stray_pairs**3 / 6.0, float(POSES_OF_THREE * MOST_TRIPLES))
     near = strays * np.pi * reach_px**2 / max(searched_px, 1.0)
     more, left = agreeing - MADE_BY, max(markers - MADE_BY, 0)
-    return float(poses * binom.sf(more - 1, left, min(near, 1.0)))
+    if more <= 0:
+        return float(poses)
+    return float(poses * bdtrc(more - 1, left, min(near, 1.0))) if more <= left else 0.0

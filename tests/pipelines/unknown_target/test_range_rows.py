@@ -9,6 +9,7 @@ import pytest
 
 from pipelines.unknown_target.arrow_equations import ArrowEquations
 from pipelines.unknown_target.facet_in_sight import Facets
+from pipelines.unknown_target.hull_planes import HullPlanes
 from pipelines.unknown_target.options import BatchOptions
 from pipelines.unknown_target.range_rows import hull_sigma_m, range_rows
 from pipelines.unknown_target.sightings import Ranges
@@ -22,28 +23,20 @@ EVERY = np.ones(len(POINTS), dtype=bool)
 AT = Unknowns(np.zeros(SHARED), POINTS)
 
 
-def ranges_of(share: float, range_m: float = 7.5) -> Ranges:
-    return Ranges.none().with_one(0, range_m, 0.02, Facets.none(1), share)
-
-
-def test_a_range_to_the_hull_is_a_share_of_the_distance() -> None:
-    """To the centre it is range over share; a pixel of the hull's outline is metres of it, too."""
-    options = replace(BatchOptions(), range_to="hull", hull_px=2.0)
-    rows = range_rows(at(TURN, AWAY_M), ranges_of(0.8), AT, EVERY, 0.1, options, PX_RAD)
-    sigma_m = np.hypot(0.02, 2.0 * PX_RAD * 7.5) / 0.8
-    assert rows.error[0, 0] == pytest.approx((7.5 / 0.8 - DISTANCE_M) / sigma_m, rel=1e-12)
-    assert not rows.by_point.any()
+RANGE = Ranges.none().with_one(0, 7.5, 0.02, Facets.none(1), HullPlanes.none(1))
 
 
 def test_without_a_hull_the_facet_speaks_and_here_there_is_none() -> None:
     options = replace(BatchOptions(), range_to="hull")
-    rows = range_rows(at(TURN, AWAY_M), ranges_of(np.nan), AT, EVERY, 0.1, options, PX_RAD)
-    assert np.isnan(rows.error).all()
+    facets, hull = range_rows(at(TURN, AWAY_M), RANGE, AT, EVERY, 0.1, options, PX_RAD)
+    assert np.isnan(facets.error).all()
+    assert len(hull.error) == 0
 
 
 def test_a_range_to_the_centre_is_the_distance() -> None:
     options = replace(BatchOptions(), range_to="centre")
-    rows = range_rows(at(TURN, AWAY_M), ranges_of(np.nan), AT, EVERY, 0.1, options, PX_RAD)
+    rows, hull = range_rows(at(TURN, AWAY_M), RANGE, AT, EVERY, 0.1, options, PX_RAD)
+    assert len(hull.error) == 0
     assert rows.error[0, 0] == pytest.approx((7.5 - DISTANCE_M) / 0.02, rel=1e-12)
 
 

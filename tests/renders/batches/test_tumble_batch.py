@@ -253,13 +253,13 @@ def test_what_needs_another_sky_is_refused(tumbled: TinyTumble) -> None:
     assert tumbled.files() == before
 
 
-def test_which_setting_differs_is_told(tumbled: TinyTumble) -> None:
-    case = Path(tumbled.request.case)
-    table = tomllib.loads(case.read_text())
+def test_which_setting_differs_is_told(tumbled: TinyTumble, tmp_path: Path) -> None:
+    table = tomllib.loads(Path(tumbled.request.case).read_text())
     table["optics"] = {**table.get("optics", {}), "psf_sigma_px": 0.77}
+    case = tmp_path / Path(tumbled.request.case).name
     case.write_text(tomli_w.dumps(table))
     with pytest.raises(DatasetError, match=r"with optics\.psf_sigma_px \S+, now 0\.77\)"):
-        TinyTumble(tumbled.request).render()
+        TinyTumble(replace(tumbled.request, case=str(case))).render()
 
 
 @pytest.mark.parametrize(
