@@ -7,7 +7,7 @@ first counts. The slope of what is met, and of the creases that no mesh has, wid
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,24 +39,6 @@ class FaceShares:
     materials: tuple[str, ...]
     shares: Floats
     slopes: Floats
-
-
-def finished(
-    wireframe: Wireframe, spacecraft: Spacecraft, factors: dict[str, float] | None = None
-) -> Wireframe:
-    """Return a wireframe whose triangles have the finishes of a spacecraft's surface.
-
-    Parameters
-    ----------
-    wireframe : Wireframe
-    spacecraft : Spacecraft
-        The same, in the same frame.
-    factors : dict of str to float, optional
-        By which what is known of a material's reflectance is off.
-    """
-    return replace(
-        wireframe, finish=finish_of(face_shares(wireframe, spacecraft), spacecraft, factors)
-    )
 
 
 def finish_of(

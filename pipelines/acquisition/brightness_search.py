@@ -5,8 +5,6 @@ A pose costs a millisecond against coarse cells, three against fine ones.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from models.camera import Camera
@@ -68,12 +66,6 @@ class BrightnessSearch:
         self.work += 3.0 * LOOK_WORK
         return self._share(self._fine, self._cloud, pose)
 
-    def rough(self, poses: Sequence[RigidTransform]) -> list[Scored]:
-        """Return poses with their shares in coarse cells, the best first."""
-        self.work += LOOK_WORK * len(poses)
-        found = [(pose, self._share(self._rough, self._thin, pose)) for pose in poses]
-        return sorted(found, key=lambda one: -one[1])
-
     def polished(self, start: RigidTransform) -> RigidTransform:
         """Return the likeliest pose near another.
 
@@ -83,10 +75,10 @@ class BrightnessSearch:
         """
         pose = start, self._share(self._rough, self._thin, start)
         for size in POLISHING:
-            pose = self.moved(pose, size)
+            pose = self._moved(pose, size)
         return pose[0]
 
-    def moved(self, start: Scored, size: float) -> Scored:
+    def _moved(self, start: Scored, size: float) -> Scored:
         """Return a pose a step away that is likelier: a search along each axis, either way.
 
         Parameters

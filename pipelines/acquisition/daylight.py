@@ -17,6 +17,7 @@ from models.arrays import Floats, Indices, Mask, Radiance
 from models.camera import Camera
 from models.lights.earth import ALBEDO, EARTH_RADIUS_KM, GEO_RADIUS_KM
 from models.pose import RigidTransform
+from pipelines.acquisition.cell_grid import points_in_cells
 from pipelines.acquisition.surface_cloud import (
     SurfaceCloud,
     nearest_in_cells,
@@ -98,11 +99,7 @@ def predicted_light(
     corner_px : (2,) array, px
         and its first cell's outer corner.
     """
-    in_cam = cloud.points @ pose.rotation.T + pose.translation
-    depth = np.maximum(in_cam[:, 2], 1e-3)
-    flat = in_cam[:, :2] / depth[:, None] * np.array([camera.fx, camera.fy])
-    flat += np.array([camera.cx, camera.cy])
-    cell = np.floor((flat - corner_px) * (PARTS / cell_px)).astype(np.int64)
+    in_cam, depth, cell = points_in_cells(cloud.points, camera, pose, cell_px / PARTS, corner_px)
     corner = np.clip(cell.min(axis=0) // PARTS - 2, -MOST_CELLS, MOST_CELLS)
     last = cell.max(axis=0) // PARTS
     width, height = (PARTS * np.clip(last + 3 - corner, 1, MOST_CELLS)).tolist()

@@ -18,6 +18,7 @@ import numpy as np
 from models.arrays import AnyArray, Floats, Indices, Radiance
 from models.camera import Camera
 from models.pose import RigidTransform
+from pipelines.acquisition.cell_grid import cells_under, points_in_cells
 from pipelines.acquisition.surface_cloud import SurfaceCloud, nearest_in_cells, sunlight
 from pipelines.detection.target_region import TargetRegion
 
@@ -174,11 +175,9 @@ def told_light(
     sun_in_cam : (3,) array
         Unit vector towards the Sun.
     """
-    in_cam = cloud.points @ pose.rotation.T + pose.translation
-    depth = np.maximum(in_cam[:, 2], 1e-3)
-    flat = in_cam[:, :2] / depth[:, None] * np.array([camera.fx, camera.fy])
-    flat += np.array([camera.cx, camera.cy])
-    cell = np.floor((flat - image.corner_px) / image.cell_px).astype(np.int64)
+    in_cam, depth, cell = points_in_cells(
+        cloud.points, camera, pose, image.cell_px, image.corner_px
+    )
     corner = np.clip(cell.min(axis=0) - 1, -MOST_CELLS, MOST_CELLS)
     width, height = np.clip(cell.max(axis=0) + 2 - corner, 1, MOST_CELLS).tolist()
     seen = nearest_in_cells(cell[:, 0] - corner[0], cell[:, 1] - corner[1], depth, width, height)
@@ -210,7 +209,7 @@ def shading(image: ImageLight, told: ToldLight) -> float:
     told : ToldLight
     """
     covered = told.said > OUTSIDE
-    shown = _under(image.level, told, 0.0)[covered]
+    shown = cells_under(image.level, told.corner, told.said.shape, 0.0)[covered]
     cosine = told.cosine[covered]
     if covered.sum() < FEWEST_CELLS or shown.std() < 1e-6 or cosine.std() < 1e-6:
         return 0.0
@@ -235,7 +234,9 @@ def regime_of(image: ImageLight, told: ToldLight) -> int:
 
 def _by_regime(image: ImageLight, told: ToldLight) -> Floats:
     """Return the log-likelihood of an image over an empty sky's, by what shines in the shade."""
-    pairs = 4 * told.said.astype(np.int64) + _under(image.shown, told, DARK)
+    pairs = 4 * told.said.astype(np.int64) + cells_under(
+        image.shown, told.corner, told.said.shape, DARK
+    )
     counted = np.bincount(pairs.ravel(), minlength=16).reshape(4, 4)
     return np.asarray((GAINS * counted).sum(axis=(1, 2)))
 
@@ -257,8 +258,7 @@ def preference(image: ImageLight, one: ToldLight, other: ToldLight) -> float:
     high = np.maximum(
         one.corner + one.said.shape[::-1], other.corner + np.array(other.said.shape[::-1])
     )
-    union = ToldLight(np.zeros((high - low)[::-1], dtype=np.uint8), np.zeros(0), low)
-    shown = _under(image.shown, union, DARK)
+    shown = cells_under(image.shown, low, tuple((high - low)[::-1].tolist()), DARK)
     ratio = np.zeros(shown.shape)
     for sign, told in ((1.0, one), (-1.0, other)):
         column, row = (told.corner - low).tolist()
@@ -266,18 +266,3 @@ def preference(image: ImageLight, one: ToldLight, other: ToldLight) -> float:
         own = GAINS[regime_of(image, told)]
         ratio[part] += sign * own[told.said, shown[part]]
     return float(ratio.sum() / np.sqrt((ratio**2).sum() + LEAST_SAY**2))
-
-
-def _under(cells: AnyArray, told: ToldLight, beyond: float) -> AnyArray:
-    """Return an image's cells under the grid of a pose, and ``beyond`` where it has none."""
-    height, width = told.said.shape
-    corner_column, corner_row = told.corner.tolist()
-    found = np.full((height, width), beyond, dtype=cells.dtype)
-    rows, columns = cells.shape
-    left, top = max(0, corner_column), max(0, corner_row)
-    right, bottom = min(columns, corner_column + width), min(rows, corner_row + height)
-    if right > left and bottom > top:
-        found[
-            top - corner_row : bottom - corner_row, left - corner_column : right - corner_column
-        ] = cells[top:bottom, left:right]
-    return found

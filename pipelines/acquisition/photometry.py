@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from models.arrays import AnyArray, Floats, Radiance
+from pipelines.acquisition.cell_grid import cells_under
 from pipelines.acquisition.daylight import PredictedLight
 from pipelines.detection.target_region import TargetRegion
 
@@ -124,7 +125,7 @@ def likelihood(shown: ShownLight, told: PredictedLight, white_dn: float) -> floa
     """
     # The lens spreads what is bright over the cells beside it.
     here = cv2.dilate(told.covered.astype(np.uint8), SQUARE) > 0
-    level = _under(shown.level, told)[here]
+    level = cells_under(shown.level, told.corner, told.covered.shape, 0.0)[here]
     sky = float(np.log(_of_sky(level, shown.highest)).sum())
     white = LEVEL * white_dn
     lowest = cv2.erode(shown.stretched(white * told.direct), SQUARE)[here]
@@ -157,18 +158,3 @@ def _of_sky(level: Radiance, highest: float) -> Floats:
 
 def _normal(away: Radiance | float, sigma: float) -> Floats:
     return np.asarray(np.exp(-0.5 * (away / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi)))
-
-
-def _under(level: Radiance, told: PredictedLight) -> Radiance:
-    """Return an image's cells under the grid of a pose, 0 where it has none."""
-    height, width = told.covered.shape
-    first_column, first_row = told.corner.tolist()
-    found = np.zeros((height, width), dtype=np.float32)
-    rows, columns = level.shape
-    left, top = max(0, first_column), max(0, first_row)
-    right, bottom = min(columns, first_column + width), min(rows, first_row + height)
-    if right > left and bottom > top:
-        found[top - first_row : bottom - first_row, left - first_column : right - first_column] = (
-            level[top:bottom, left:right]
-        )
-    return found

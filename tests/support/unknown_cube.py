@@ -138,3 +138,13 @@ def off_the_cube_m(points: np.ndarray) -> np.ndarray:
     beyond = np.abs(points) - HALF_M
     outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
     return np.where((beyond <= 0.0).all(axis=1), -beyond.max(axis=1), outside)
+
+
+def off_the_moved_cube_m(points: np.ndarray, by_m: float) -> np.ndarray:
+    """Return the least of the distances, (n,) m, with the cube moved by up to ``by_m`` an axis.
+
+    The shape is told apart from where the centre is: the move is that of the nearest median.
+    """
+    steps_m = np.linspace(-by_m, by_m, 9)
+    moves = np.stack(np.meshgrid(steps_m, steps_m, steps_m), axis=-1).reshape(-1, 3)
+    return min((off_the_cube_m(points + by) for by in moves), key=lambda off: float(np.median(off)))

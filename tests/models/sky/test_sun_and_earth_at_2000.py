@@ -17,9 +17,6 @@ from models.sky.sun_ephemeris import (
 TERRESTRIAL_S = 69.2  # by which terrestrial time is ahead of UTC since 2017
 ROUNDED_DEG = 1e-9
 AU_M = 149_597_870_700.0
-FIVE_MS_DEG = (
-    360.0 * 0.005 / 86_164.0
-)  # UT1 is not UTC: not counted; the mean equinox, that of date
 PRECESSION_DEG = 0.012  # of the equinox of date against that of 2000, along and across, by 2050
 
 

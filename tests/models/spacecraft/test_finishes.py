@@ -10,7 +10,7 @@ import pytest
 
 from models.errors import DatasetError
 from models.materials import MATERIALS
-from models.spacecraft.finishes import face_shares, finish_of, finished
+from models.spacecraft.finishes import face_shares, finish_of
 from models.spacecraft.part import Part, Spacecraft
 from models.spacecraft.solids import box
 from models.wireframe.wireframe import Wireframe
@@ -40,6 +40,10 @@ def craft(*layers: tuple[float, str]) -> Spacecraft:
         for k, (z, material) in enumerate(layers)
     )
     return Spacecraft("layers", parts, None, np.zeros(3))
+
+
+def finished(wireframe: Wireframe, spacecraft: Spacecraft) -> Wireframe:
+    return replace(wireframe, finish=finish_of(face_shares(wireframe, spacecraft), spacecraft))
 
 
 def test_each_side_is_of_what_is_outermost_there() -> None:

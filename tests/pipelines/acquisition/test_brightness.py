@@ -152,12 +152,12 @@ def test_a_pose_that_is_off_is_moved_to_where_the_brightness_is_likelier() -> No
     cut = cut_out(image, CAMERA, DETECTOR, 1024)
     search = BrightnessSearch(cut, FULL_DN, wireframe, surface_cloud(wireframe), light, RADIUS_PX)
     start = pose.perturbed(np.array([0.0, 0.12, 0.0]), np.array([0.0, 0.0, 0.3]))
-    found = search.rough([start])[0]
-    for size in (1.0, 0.5, 0.25):
-        found = search.moved(found, size)
-    start_m, found_m = (each.translation[2] - pose.translation[2] for each in (start, found[0]))
+    found = search.polished(start)
+    start_m, found_m = (each.translation[2] - pose.translation[2] for each in (start, found))
     assert abs(found_m) < 0.5 * abs(start_m)
-    assert found[1] > search.rough([start])[0][1] + LEAD
+    first, last, true = (search.share(each) for each in (start, found, pose))
+    assert true > first + LEAD
+    assert last - first > 0.5 * (true - first)
 
 
 def test_a_finish_that_gives_more_than_it_gets_is_refused() -> None:
