@@ -49,6 +49,10 @@ def cells_under(
     shape : (int, int)
         Height and width of the other grid.
     beyond : float
+
+    Returns
+    -------
+    (height, width) array
     """
     height, width = shape
     corner_column, corner_row = corner.tolist()
