@@ -170,8 +170,10 @@ class UncooperativeKnowledge:
         Unit vector towards the Sun by the ephemeris on board, in the axes of the chaser's orbit.
     sun_sigma_deg : float, deg
         1-sigma per axis of that direction as the camera sees it.
+    earth_shines : bool
+        Whether the Earth lights the target; it stands where the chaser's orbit has it,
     earth_dir_in_inertial : (3,) array, optional
-        Unit vector towards the Earth's centre, where it shines on the target.
+        unless this is known, a unit vector towards its centre.
     white_dn_ms : float, optional, DN/ms
         What a white matt surface that the Sun meets squarely gives the camera.
     """
@@ -187,6 +189,7 @@ class UncooperativeKnowledge:
     inertia_kg_m2: Floats | None = None
     sun_dir_in_inertial: Floats | None = None
     sun_sigma_deg: float = 0.0
+    earth_shines: bool = False
     earth_dir_in_inertial: Floats | None = None
     white_dn_ms: float | None = None
 
@@ -208,7 +211,10 @@ class UncooperativeKnowledge:
         axes = lvlh_axes(chaser.position_in_inertial, chaser.velocity_in_inertial)
         mounted = self.cam_from_lvlh if mount is None else mount.cam_from_lvlh
         cam_from_inertial = mounted.rotation @ axes.T
+        radius_m = float(np.linalg.norm(chaser.position_in_inertial))
         earth = self.earth_dir_in_inertial
+        if earth is None and self.earth_shines:
+            earth = -chaser.position_in_inertial / radius_m
         white_dn = None
         if self.white_dn_ms is not None and exposure_ms:
             white_dn = self.white_dn_ms * exposure_ms
@@ -216,6 +222,7 @@ class UncooperativeKnowledge:
             cam_from_inertial @ self.sun_dir_in_inertial,
             None if earth is None else cam_from_inertial @ earth,
             white_dn,
+            1e-3 * radius_m,
         )
 
     @classmethod
@@ -240,6 +247,7 @@ class UncooperativeKnowledge:
             inertia_kg_m2=expected.inertia_kg_m2,
             sun_dir_in_inertial=expected.sun_dir_in_inertial,
             sun_sigma_deg=expected.sun_sigma_deg,
+            earth_shines=expected.earth_shines,
             earth_dir_in_inertial=expected.earth_dir_in_inertial,
             white_dn_ms=expected.white_dn_ms,
         )
