@@ -50,8 +50,8 @@ class Suite:
     sampling, availability, stars, chain, dataset) takes a night of two cores, with --quick less
     than half an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of
     sequences such as S2 or E-SB) renders its frames; what that takes is told before it starts.
-    uncooperative-suns (parts: targets, xmm and hispasat, or the TOML of your own) takes an hour of
-    one core a target.
+    uncooperative-suns (parts: targets, xmm, hispasat and maxar1300_unmarked, or the TOML of your
+    own) takes an hour of one core a target.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]

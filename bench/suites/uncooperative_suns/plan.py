@@ -15,7 +15,7 @@ from models.reading.options import check_option
 from models.spacecraft.wireframes import WIREFRAMES
 from renders.scenario.own_target import SUFFIX
 
-TARGETS = ("xmm", "hispasat")
+TARGETS = ("xmm", "hispasat", "maxar1300_unmarked")
 VARIANTS = ("paper", "best")
 MOST_RUNS, MOST_SEED = 100_000, 2**32 - 1
 

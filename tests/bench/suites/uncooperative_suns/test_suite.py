@@ -88,7 +88,7 @@ def test_a_job_renders_the_motions_of_its_own_starts(
         suite.prepare(request, share, QUIET)
     flat = [name for names in rendered for name in names]
     assert sorted(flat) == sorted(unit.name for unit in suite.plan_of(request).every_frame)
-    assert len(flat) == 2 * 5  # five motions of four starts, of two targets, each in one job
+    assert len(flat) == 3 * 5  # five motions of four starts, of three targets, each in one job
     assert all(rendered)
     left = [unit for unit in every[0] if "/best/" in unit.name][:1]
     suite.prepare(request, left, QUIET)
@@ -111,5 +111,5 @@ def test_the_page_opens_offline(done: Path) -> None:
 
 
 def test_a_target_without_a_wireframe_is_refused() -> None:
-    with pytest.raises(ScenarioError, match="maxar1300"):
+    with pytest.raises(ScenarioError, match="got 'maxar1300'"):
         plan_of(SuiteRequest("uncooperative-suns", Path("out"), 1, parts=("maxar1300",)))
