@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +14,7 @@ from bench.suites.units import WorkUnit
 from models.errors import ScenarioError
 from models.reading.options import check_option
 from models.spacecraft.wireframes import WIREFRAMES
-from renders.scenario.own_target import SUFFIX
+from renders.scenario.own_target import MESHES, SUFFIX, wireframe_of
 
 TARGETS = ("xmm", "hispasat", "maxar1300_unmarked")
 VARIANTS = ("paper", "best")
@@ -73,6 +74,11 @@ class Plan:
         for target, name in zip(self.targets, names, strict=True):
             if names.count(name) > 1:
                 raise ScenarioError(f"expected targets of different names, got {name} twice")
+            if target.lower().endswith(MESHES):
+                raise ScenarioError(
+                    f"expected --parts as targets, of your own the .toml beside its mesh, got "
+                    f"{target!r}; `rvbench inspect {target}` writes one"
+                )
             if not target.lower().endswith(SUFFIX) and target not in WIREFRAMES:
                 raise ScenarioError(
                     f"expected --parts as targets with a wireframe, {', '.join(TARGETS)} or the "
@@ -139,7 +145,7 @@ class Plan:
 
     @cached_property
     def _shapes(self) -> dict[str, str]:
-        """By target: the hash of what is one's own; empty for ours."""
+        """By target: the hash of all that makes one's own; empty for ours."""
         return {
             target: _shape(self._places[target]) if target.lower().endswith(SUFFIX) else ""
             for target in self.targets
@@ -147,5 +153,9 @@ class Plan:
 
 
 def _shape(place: str) -> str:
-    own = scenario_of(MotionTask(place, "", 0, 0, 1024, 1)).own_target
-    return "" if own is None else own.files_sha256
+    scenario = scenario_of(MotionTask(place, "", 0, 0, 1024, 1))
+    wireframe_of(scenario)  # before anything is rendered
+    own = scenario.own_target
+    if own is None:
+        return ""
+    return hashlib.sha256("\n".join([own.files_sha256, *own.lines]).encode()).hexdigest()
