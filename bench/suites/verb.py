@@ -51,7 +51,7 @@ class Suite:
     than half an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of
     sequences such as S2 or E-SB) renders its frames; what that takes is told before it starts.
     uncooperative-suns (parts: targets, xmm, hispasat and maxar1300_unmarked, or the TOML of your
-    own) takes an hour of one core a target.
+    own) takes an hour of one core a target; uncooperative-tumbles, of the same targets, three.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]
@@ -67,7 +67,7 @@ class Suite:
     runs: OptionalCount = None
     """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
     opromolla2022 (100), or starts of each target of uncooperative-suns (500), rounded up to whole
-    sets of Suns, four starts of a motion"""
+    sets of Suns, four starts of a motion, or tumbles of each of uncooperative-tumbles (50)"""
     acquisitions: OptionalCount = None
     """acquisitions of each case (1000, of which the paper's table takes the first 100), or
     attitudes of vinag2018's star camera (1000)"""
@@ -82,7 +82,7 @@ class Suite:
     """frames a second, of a suite that renders (opromolla2022: 1; the paper's is 5), or of
     vinag2018's star sensor (5)"""
     width: OptionalCount = None
-    """columns of rendered images (opromolla2022: 2048, uncooperative-suns: 1024)"""
+    """columns of rendered images (opromolla2022: 2048, uncooperative-*: 1024)"""
     store: OptionalFolder = None
     """where rendered light is kept"""
     store_budget_gb: OptionalNumber = None

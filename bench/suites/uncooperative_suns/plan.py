@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from bench.suites.uncooperative_suns.cases import SUN_SIGMA_DEG, SUNS, MotionTask
-from bench.suites.uncooperative_suns.frames import scenario_of
 from bench.suites.uncooperative_suns.starts import frames_unit, starts_unit
+from bench.suites.uncooperative_suns.targets import Targets
 from bench.suites.units import WorkUnit
-from models.errors import ScenarioError
 from models.reading.options import check_option
-from models.spacecraft.wireframes import WIREFRAMES
-from renders.scenario.own_target import MESHES, SUFFIX, wireframe_of
 
-TARGETS = ("xmm", "hispasat", "maxar1300_unmarked")
 VARIANTS = ("paper", "best")
 MOST_RUNS, MOST_SEED = 100_000, 2**32 - 1
 
@@ -70,31 +65,22 @@ class Plan:
     out: Path
 
     def __post_init__(self) -> None:
-        names = [self.name(target) for target in self.targets]
-        for target, name in zip(self.targets, names, strict=True):
-            if names.count(name) > 1:
-                raise ScenarioError(f"expected targets of different names, got {name} twice")
-            if target.lower().endswith(MESHES):
-                raise ScenarioError(
-                    f"expected --parts as targets, of your own the .toml beside its mesh, got "
-                    f"{target!r}; `rvbench inspect {target}` writes one"
-                )
-            if not target.lower().endswith(SUFFIX) and target not in WIREFRAMES:
-                raise ScenarioError(
-                    f"expected --parts as targets with a wireframe, {', '.join(TARGETS)} or the "
-                    f".toml of your own, got {target!r}"
-                )
+        self.chosen.check()
 
-    @staticmethod
-    def name(target: str) -> str:
+    @cached_property
+    def chosen(self) -> Targets:
+        """The targets, by name, place and shape."""
+        return Targets(self.targets)
+
+    def name(self, target: str) -> str:
         """Return how a target's files are named."""
-        return Path(target).stem if target.lower().endswith(SUFFIX) else target
+        return self.chosen.name(target)
 
     def motions(self, target: str) -> list[MotionTask]:
         """Return the motions of a target."""
-        sizes, shape = self.sizes, self._shapes[target]
+        sizes, place, shape = self.sizes, self.chosen.place(target), self.chosen.shape(target)
         return [
-            MotionTask(self._places[target], shape, number, sizes.seed, sizes.width, sizes.samples)
+            MotionTask(place, shape, number, sizes.seed, sizes.width, sizes.samples)
             for number in range(-(-sizes.runs // SUNS))
         ]
 
@@ -135,27 +121,3 @@ class Plan:
     def frames_folder(self) -> Path:
         """Where frames lie."""
         return self.out / "frames"
-
-    @cached_property
-    def _places(self) -> dict[str, str]:
-        return {
-            target: str(Path(target).resolve()) if target.lower().endswith(SUFFIX) else target
-            for target in self.targets
-        }
-
-    @cached_property
-    def _shapes(self) -> dict[str, str]:
-        """By target: the hash of all that makes one's own; empty for ours."""
-        return {
-            target: _shape(self._places[target]) if target.lower().endswith(SUFFIX) else ""
-            for target in self.targets
-        }
-
-
-def _shape(place: str) -> str:
-    scenario = scenario_of(MotionTask(place, "", 0, 0, 1024, 1))
-    wireframe_of(scenario)  # before anything is rendered
-    own = scenario.own_target
-    if own is None:
-        return ""
-    return hashlib.sha256("\n".join([own.files_sha256, *own.lines]).encode()).hexdigest()

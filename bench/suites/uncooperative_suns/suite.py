@@ -15,8 +15,9 @@ from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.spread import do_units
 from bench.suites.uncooperative_suns.page import write_suite_page
-from bench.suites.uncooperative_suns.plan import QUICK, TARGETS, Plan, Sizes
+from bench.suites.uncooperative_suns.plan import QUICK, Plan, Sizes
 from bench.suites.uncooperative_suns.results import Summary, results_of, summary_of
+from bench.suites.uncooperative_suns.targets import TARGETS
 from bench.suites.units import LIBRARIES, WorkUnit
 
 NAME = "uncooperative-suns"
