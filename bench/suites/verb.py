@@ -83,6 +83,9 @@ class Suite:
     vinag2018's star sensor (5)"""
     width: OptionalCount = None
     """columns of rendered images (opromolla2022: 2048, uncooperative-*: 1024)"""
+    bracket: Annotated[tuple[float, ...], arg(metavar="FACTOR ...", help_behavior_hint="")] = ()
+    """further exposures of each image, as multiples of the metered one, such as 0.25 4, of
+    uncooperative-suns, whose pipelines make them one"""
     store: OptionalFolder = None
     """where rendered light is kept"""
     store_budget_gb: OptionalNumber = None
@@ -122,6 +125,7 @@ class Suite:
             duration_s=self.duration_s,
             rate_hz=self.rate_hz,
             width=self.width,
+            bracket=self.bracket or None,
             store=self.store,
             store_budget_gb=self.store_budget_gb,
             seed=self.seed,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -10,7 +11,7 @@ import numpy as np
 from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
-from models.frame import CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
+from models.frame import BRACKET, CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
 from models.motion.perturbed_orbit import lvlh_axes
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
 from models.onboard import OnboardKnowledge, needed
@@ -61,6 +62,8 @@ class ImageFrame:
     mount : CameraMount, optional
         By the attitude that is navigated; without it, as known before flight.
     exposure_ms : float, optional, ms
+    bracket : tuple of ImageReading
+        Further exposures of the same view.
     """
 
     index: int
@@ -69,6 +72,7 @@ class ImageFrame:
     chaser: ChaserState
     mount: CameraMount | None = None
     exposure_ms: float | None = None
+    bracket: tuple[ImageReading, ...] = ()
 
 
 Seen: TypeAlias = PointFrame | ImageFrame
@@ -109,13 +113,23 @@ def shown(frame: Frame, chaser: ChaserState, mount: CameraMount | None = None) -
         pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
         return PointFrame(frame.index, frame.time_s, pixels, chaser, mount)
     reading = frame.image(IMAGE)
-    return ImageFrame(frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms)
+    bracket = tuple(
+        frame.image(name) for name in sorted(frame.readings) if name.startswith(BRACKET)
+    )
+    return ImageFrame(
+        frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms, bracket
+    )
 
 
 def image_frame(
-    index: int, time_s: float, image: Image, exposure_ms: float, chaser: ChaserState
+    index: int,
+    time_s: float,
+    image: Image,
+    exposure_ms: float,
+    chaser: ChaserState,
+    bracket: Sequence[tuple[Image, float]] = (),
 ) -> Frame:
-    """Return a frame of one image and the chaser's orbit.
+    """Return a frame of one image, maybe in several exposures, and the chaser's orbit.
 
     Parameters
     ----------
@@ -124,9 +138,15 @@ def image_frame(
     image : (height, width) uint16 array, DN
     exposure_ms : float, ms
     chaser : ChaserState
+    bracket : sequence of (image, exposure in ms)
+        Further exposures of the same view.
     """
     reading = ImageReading(image, time_s, exposure_ms)
-    return Frame(index, time_s, {IMAGE: reading, CHASER_ORBIT: chaser.reading()})
+    further = {
+        f"{BRACKET}{number}": ImageReading(own, time_s, own_ms)
+        for number, (own, own_ms) in enumerate(bracket)
+    }
+    return Frame(index, time_s, {IMAGE: reading, **further, CHASER_ORBIT: chaser.reading()})
 
 
 def points_frame(index: int, time_s: float, points_px: Floats, chaser: ChaserState) -> Frame:

@@ -56,6 +56,8 @@ class MotionTask:
         Per pixel.
     images : int
         Of each start.
+    bracket : tuple of float
+        Further exposures of each image, as multiples of the metered one.
     """
 
     target: str
@@ -65,6 +67,7 @@ class MotionTask:
     width: int
     samples: int
     images: int = IMAGES
+    bracket: tuple[float, ...] = ()
 
     def rng(self, *key: int) -> np.random.Generator:
         """Return the random numbers of a purpose."""

@@ -78,7 +78,8 @@ def render_motion(task: MotionTask) -> Outcome:
     -------
     Outcome
         ``images`` (k, n, height, width) uint16; ``exposure_ms`` (k, n); ``lit`` (k, n), the share
-        of the silhouette that is above three sigmas; ``covered`` (n,), pixels of the silhouette.
+        of the silhouette that is above three sigmas; ``covered`` (n,), pixels of the silhouette;
+        ``bracket`` (k, n, b, height, width) uint16, further exposures of the same light.
     """
     motion = drawn(task)
     start_renderer(choose_variant("auto"), 1)
@@ -89,6 +90,7 @@ def render_motion(task: MotionTask) -> Outcome:
     images = np.zeros((SUNS, count, *size), dtype=np.uint16)
     exposure_ms, lit = np.zeros((SUNS, count)), np.zeros((SUNS, count))
     covered = np.zeros(count, dtype=np.int64)
+    bracket = np.zeros((SUNS, count, len(task.bracket), *size), dtype=np.uint16)
     for place in range(count):
         own = world.exposures[SUNS * place : SUNS * (place + 1)]
         pose = motion.poses[place]
@@ -101,9 +103,12 @@ def render_motion(task: MotionTask) -> Outcome:
                 world, light, exposure, exposure_ms[number, place - 1], before
             )
             images[number, place], exposure_ms[number, place] = image, taken_ms
+            for draw, factor in enumerate(task.bracket, start=1):
+                further = compose(world, light, exposure, factor * taken_ms, draw)
+                bracket[number, place, draw - 1] = further
             lit[number, place] = lit_share(image, mask, world.scenario.simulated_detector)
     values: dict[str, Any] = {"images": images, "exposure_ms": exposure_ms, "lit": lit}
-    return Outcome({**values, "covered": covered}, np.zeros(0))
+    return Outcome({**values, "covered": covered, "bracket": bracket}, np.zeros(0))
 
 
 def metered_image(

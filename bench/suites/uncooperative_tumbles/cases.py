@@ -6,7 +6,6 @@ Each draw is keyed by the seed, the target and the number of the tumble, and nev
 from __future__ import annotations
 
 import tomllib
-import zlib
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -25,6 +24,7 @@ from bench.suites.uncooperative_suns.cases import (
     SHARES,
     STEPS_S,
     SUN_SIGMA_DEG,
+    MotionTask,
     any_direction,
 )
 from bench.suites.uncooperative_suns.frames import F_NUMBER, FIRST_MS
@@ -40,37 +40,6 @@ from renders.scenario.scenario import Scenario, check_scenario
 IMAGES = 30
 TUMBLE_DRAW, RENDER_DRAW = 11, 12  # purposes that key the draws
 SHADOW_MARGIN_DEG = 5.0  # of the Earth's disc: in ten minutes it moves by 2.5 deg
-
-
-@dataclass(frozen=True)
-class TumbleTask:
-    """One tumble of one target.
-
-    Attributes
-    ----------
-    target : str
-        A spacecraft's name, or the file of one's own.
-    shape : str
-        What tells one's own from another of its name; empty for ours.
-    number, seed : int
-    width : int, px
-    samples : int
-        Per pixel.
-    images : int
-    """
-
-    target: str
-    shape: str
-    number: int
-    seed: int
-    width: int
-    samples: int
-    images: int = IMAGES
-
-    def rng(self, *key: int) -> np.random.Generator:
-        """Return the random numbers of a purpose."""
-        name = zlib.crc32(self.target.rsplit("/", 1)[-1].encode())
-        return np.random.default_rng([self.seed, name, self.number, *key])
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +79,12 @@ class DrawnTumble:
         return float(np.linalg.norm(self.omega_deg_s))
 
 
-def draw_tumble(task: TumbleTask, camera: Camera, radius_m: float) -> DrawnTumble:
+def draw_tumble(task: MotionTask, camera: Camera, radius_m: float) -> DrawnTumble:
     """Draw a tumble.
 
     Parameters
     ----------
-    task : TumbleTask
+    task : MotionTask
     camera : Camera
     radius_m : float, m
         Of the target about its origin.
@@ -154,7 +123,7 @@ def _sun(rng: np.random.Generator, place: Floats) -> tuple[float, Floats]:
 
 
 @lru_cache(maxsize=8)
-def drawn_scenario(task: TumbleTask) -> tuple[DrawnTumble, Scenario]:
+def drawn_scenario(task: MotionTask) -> tuple[DrawnTumble, Scenario]:
     """Return a task's tumble, and the scenario that renders it.
 
     Raises
@@ -168,7 +137,7 @@ def drawn_scenario(task: TumbleTask) -> tuple[DrawnTumble, Scenario]:
     return drawn, check_scenario(_scenario(task, drawn), f"the suite's target {task.target}")
 
 
-def _scenario(task: TumbleTask, drawn: DrawnTumble | None) -> Scenario:
+def _scenario(task: MotionTask, drawn: DrawnTumble | None) -> Scenario:
     tumble: dict[str, Any] = {
         "orbit": {"a_km": GEO_RADIUS_KM},
         "rho0_m": [0.0, 1000.0, 0.0],

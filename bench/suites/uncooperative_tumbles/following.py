@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from bench.scoring.tumble.navigation_errors import navigation_error, symmetric_attitude_deg
+from bench.suites.uncooperative_suns.cases import MotionTask
 from bench.suites.uncooperative_suns.frames import lit_share, metered_image
-from bench.suites.uncooperative_tumbles.cases import TumbleTask, drawn_scenario
+from bench.suites.uncooperative_tumbles.cases import drawn_scenario
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.arrays import Image
 from models.frame import CHASER_ORBIT, IMAGE, Frame, ImageReading
@@ -43,7 +44,7 @@ class FollowingTask:
 
     Attributes
     ----------
-    tumble : TumbleTask
+    tumble : MotionTask
     frames : str
         Hash of all that shapes the frames.
     variant : str
@@ -51,13 +52,13 @@ class FollowingTask:
         Hash of all of its settings.
     """
 
-    tumble: TumbleTask
+    tumble: MotionTask
     frames: str
     variant: str
     settings: str
 
 
-def frames_unit(task: TumbleTask, name: str) -> WorkUnit:
+def frames_unit(task: MotionTask, name: str) -> WorkUnit:
     """Return the unit that renders a tumble."""
     expected_s = RENDER_S * task.images
     return WorkUnit(f"{name}/{task.number:04d}", render_tumble, task, f"frames, {name}", expected_s)
@@ -77,7 +78,7 @@ def following_unit(frames: WorkUnit, file: str, variant: str, name: str) -> Work
         Of the target.
     """
     pipeline = registered_pipeline(PIPELINE)
-    task: TumbleTask = frames.task
+    task: MotionTask = frames.task
     return WorkUnit(
         name=f"{name}/{variant}/{task.number:04d}",
         work=follow,
@@ -89,12 +90,12 @@ def following_unit(frames: WorkUnit, file: str, variant: str, name: str) -> Work
     )
 
 
-def render_tumble(task: TumbleTask) -> Outcome:
+def render_tumble(task: MotionTask) -> Outcome:
     """Render a tumble, each image metered from the one before.
 
     Parameters
     ----------
-    task : TumbleTask
+    task : MotionTask
 
     Returns
     -------
@@ -171,5 +172,5 @@ def follow(task: FollowingTask, frames: str) -> Outcome:
     return Outcome({name: np.array(value) for name, value in rows.items()}, np.array(seconds))
 
 
-def _world(task: TumbleTask) -> World:
+def _world(task: MotionTask) -> World:
     return world_of(drawn_scenario(task)[1])

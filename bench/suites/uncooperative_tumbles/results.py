@@ -8,10 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
+from bench.suites.uncooperative_suns.cases import MotionTask
+from bench.suites.uncooperative_suns.frame_plan import VARIANTS
 from bench.suites.uncooperative_suns.results import LIT_ENOUGH, WRONG_DEG, WRONG_SHARE
-from bench.suites.uncooperative_tumbles.cases import DrawnTumble, TumbleTask, drawn_scenario
+from bench.suites.uncooperative_tumbles.cases import DrawnTumble, drawn_scenario
 from bench.suites.uncooperative_tumbles.following import ERRORS
-from bench.suites.uncooperative_tumbles.plan import VARIANTS, Plan
+from bench.suites.uncooperative_tumbles.plan import Plan
 from bench.suites.units import done_outcome
 from models.arrays import Floats, Mask
 
@@ -181,9 +183,9 @@ def followed_of(plan: Plan, target: str, variant: str) -> list[Followed]:
         If one is not done.
     """
     found = []
-    for unit, frames in zip(plan.tumbles(target, variant), plan.frames(target), strict=False):
-        outcome = done_outcome(plan.out / "units", unit)
-        task: TumbleTask = frames.task
+    for unit, frames in zip(plan.starts(target, variant), plan.frames(target), strict=False):
+        outcome = done_outcome(plan.units_folder, unit)
+        task: MotionTask = frames.task
         found.append(
             Followed(
                 drawn=drawn_scenario(task)[0],
@@ -199,10 +201,10 @@ def followed_of(plan: Plan, target: str, variant: str) -> list[Followed]:
 def results_of(plan: Plan) -> dict[str, dict[str, list[Followed]]]:
     """Return all tumbles by target and variant."""
     return {
-        plan.chosen.name(target): {
+        plan.name(target): {
             variant: followed_of(plan, target, variant)
             for variant in VARIANTS
-            if plan.tumbles(target, variant)
+            if plan.starts(target, variant)
         }
         for target in plan.targets
     }

@@ -14,7 +14,7 @@ from rich.console import Console
 from bench.runners.chunks import Chunk
 from bench.suites.request import SuiteRequest
 from bench.suites.shared_units import do_share, shares_of
-from bench.suites.uncooperative_suns import suite
+from bench.suites.uncooperative_suns import frame_plan, suite
 from bench.suites.uncooperative_suns.plan import Plan, Sizes
 from bench.suites.uncooperative_suns.suite import plan_of, run_plan
 from bench.suites.units import WorkUnit, outcome_path
@@ -81,7 +81,7 @@ def test_a_job_renders_the_motions_of_its_own_starts(
         rendered.append([unit.name for unit in units])
         return 0
 
-    monkeypatch.setattr(suite, "do_units", note)
+    monkeypatch.setattr(frame_plan, "do_units", note)
     request = SuiteRequest("uncooperative-suns", tmp_path, 1, runs=20)
     every = shares_of(suite.units_of(request), 3)
     for share in every:

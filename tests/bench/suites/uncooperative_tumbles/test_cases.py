@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bench.suites.uncooperative_suns.cases import PHASES_DEG, RATES_DEG_S, SHARES, STEPS_S
+from bench.suites.uncooperative_suns.cases import (
+    PHASES_DEG,
+    RATES_DEG_S,
+    SHARES,
+    STEPS_S,
+    MotionTask,
+)
 from bench.suites.uncooperative_tumbles.cases import (
     DrawnTumble,
-    TumbleTask,
     draw_tumble,
     drawn_scenario,
 )
@@ -20,7 +25,7 @@ from models.motion.tumble import CAM_FROM_LVLH
 from models.spacecraft.wireframes import wireframe_by_name
 from renders.world.build import world_of
 
-TASK = TumbleTask("xmm", "", 0, 3, 256, 4, 6)
+TASK = MotionTask("xmm", "", 0, 3, 256, 4, 6)
 CAMERA = camera_preset("chaser_fixed").resized(256)
 RADIUS_M = 8.0
 TURN_SHARE = 0.02  # nutation lets the rate vary, but hardly over a second

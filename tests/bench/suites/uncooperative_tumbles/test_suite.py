@@ -37,7 +37,7 @@ def test_what_is_gone_is_done_again_to_the_same_bits(done: Path, tmp_path: Path)
     shutil.copytree(done, out)
     gone = [
         *((out / "frames", unit) for unit in plan(out).every_frame),
-        *((out / "units", unit) for unit in plan(out).tumbles("hispasat", "best")),
+        *((out / "units", unit) for unit in plan(out).starts("hispasat", "best")),
     ]
     for folder, unit in gone:
         outcome_path(folder, unit).unlink()
