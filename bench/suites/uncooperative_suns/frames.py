@@ -123,7 +123,7 @@ def metered_image(
     exposure : Exposure
     before_ms : float, ms
         Exposure of the image before.
-    before : Image or None
+    before : (height, width) uint16 array or None, DN
         That image; None at the first.
 
     Returns

@@ -186,7 +186,11 @@ def _beliefs(tumbles: list[Followed]) -> str:
     def draw(figure: Drawing) -> None:
         axes = figure.subplots()
         colours = ListedColormap([colour for _, colour in KINDS])
-        axes.imshow(cells, cmap=colours, vmin=0, vmax=2, aspect="auto", interpolation="nearest")
+        rows, images = cells.shape
+        sides = (0.5, images + 0.5, rows - 0.5, -0.5)  # images count from 1
+        axes.imshow(
+            cells, colours, vmin=0, vmax=2, aspect="auto", interpolation="nearest", extent=sides
+        )
         axes.set_xlabel("image")
         axes.set_ylabel("tumble")
         handles = [Patch(color=colour, label=name) for name, colour in KINDS]

@@ -161,7 +161,7 @@ class Summary:
 
 
 def longest_run(flags: Mask) -> int:
-    """Return the most flags in a row that are set."""
+    """Return the most flags, (n,) array of bool, in a row that are set."""
     longest = here = 0
     for flag in flags.tolist():
         here = here + 1 if flag else 0
