@@ -22,6 +22,8 @@ POINTS = "points"
 CHASER_ORBIT = "chaser_orbit"
 RANGE = "range_finder"
 """The streams of the house. A chain of another package names its own."""
+BRACKET = "image_bracket_"
+"""How streams of further exposures of the image begin: of the same view, at the same time."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,8 +71,10 @@ class FlightExpectations:
     sun_sigma_deg : float, deg
         1-sigma per axis of that direction as the camera sees it: the ephemeris is nearly exact,
         the chaser's own attitude is not.
+    earth_shines : bool
+        Whether the Earth lights the target; it stands where the chaser's orbit has it,
     earth_dir_in_inertial : (3,) array or None
-        Unit vector towards the Earth's centre, as seen from GEO, where it shines on the target.
+        unless this is known, a unit vector towards its centre.
     white_dn_ms : float or None, DN/ms
         What a white matt surface that the Sun meets squarely gives the camera, as calibrated.
     """
@@ -85,6 +87,7 @@ class FlightExpectations:
     inertia_kg_m2: Floats | None = None
     sun_dir_in_inertial: Floats | None = None
     sun_sigma_deg: float = 0.0
+    earth_shines: bool = False
     earth_dir_in_inertial: Floats | None = None
     white_dn_ms: float | None = None
 

@@ -23,6 +23,7 @@ SUITES = {
     "opromolla2022": "bench.suites.opromolla2022.suite",
     "pesce2019": "bench.suites.pesce2019.suite",
     "uncooperative-suns": "bench.suites.uncooperative_suns.suite",
+    "uncooperative-tumbles": "bench.suites.uncooperative_tumbles.suite",
     "vinag2018": "bench.suites.vinag2018.suite",
     "volpe2017": "bench.suites.volpe2017.suite",
 }
@@ -30,6 +31,7 @@ TITLES = {
     "opromolla2022": "fiducial markers, both cameras: Opromolla et al. 2022, Tables 12 to 20",
     "pesce2019": "an uncooperative, known target from corners: Pesce et al. 2019, Tables 5 to 8",
     "uncooperative-suns": "an uncooperative target under any Sun, at any attitude: a study of ours",
+    "uncooperative-tumbles": "an uncooperative target followed through any tumble: a study of ours",
     "vinag2018": "absolute orbit and attitude, LEO and GEO: VINAG 2018, Figures 5 to 10",
     "volpe2017": "an unknown target from tracks and a range: Volpe et al. 2017, Tables 1 and 2",
 }

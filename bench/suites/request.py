@@ -10,7 +10,7 @@ from bench.runners.chunks import Chunk
 from models.errors import ScenarioError
 
 SIZES = (
-    "runs", "acquisitions", "seeds", "duration_s", "paper_runs", "rate_hz", "width",
+    "runs", "acquisitions", "seeds", "duration_s", "paper_runs", "rate_hz", "width", "bracket",
 )  # fmt: skip
 
 
@@ -36,6 +36,8 @@ class SuiteRequest:
         Of frames, where frames are rendered.
     width : int, optional, px
         Of them.
+    bracket : tuple of float, optional
+        Further exposures of each image, as multiples of the metered one.
     store : Path, optional
         Where rendered light is kept.
     store_budget_gb : float, optional
@@ -56,6 +58,7 @@ class SuiteRequest:
     duration_s: float | None = None
     rate_hz: float | None = None
     width: int | None = None
+    bracket: tuple[float, ...] | None = None
     store: Path | None = None
     store_budget_gb: float | None = None
     seed: int = 0

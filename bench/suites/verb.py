@@ -50,8 +50,8 @@ class Suite:
     sampling, availability, stars, chain, dataset) takes a night of two cores, with --quick less
     than half an hour. opromolla2022 (parts chaser, hand, sun-map, sensitivity, or names of
     sequences such as S2 or E-SB) renders its frames; what that takes is told before it starts.
-    uncooperative-suns (parts: targets, xmm and hispasat, or the TOML of your own) takes an hour of
-    one core a target.
+    uncooperative-suns (parts: targets, xmm, hispasat and maxar1300_unmarked, or the TOML of your
+    own) takes an hour of one core a target; uncooperative-tumbles, of the same targets, three.
     """
 
     name: Positional[Annotated[str, arg(metavar="NAME")]]
@@ -67,7 +67,7 @@ class Suite:
     runs: OptionalCount = None
     """runs of each case that the paper repeats (50), or of volpe2017's own case or each sequence of
     opromolla2022 (100), or starts of each target of uncooperative-suns (500), rounded up to whole
-    sets of Suns, four starts of a motion"""
+    sets of Suns, four starts of a motion, or tumbles of each of uncooperative-tumbles (50)"""
     acquisitions: OptionalCount = None
     """acquisitions of each case (1000, of which the paper's table takes the first 100), or
     attitudes of vinag2018's star camera (1000)"""
@@ -82,7 +82,10 @@ class Suite:
     """frames a second, of a suite that renders (opromolla2022: 1; the paper's is 5), or of
     vinag2018's star sensor (5)"""
     width: OptionalCount = None
-    """columns of rendered images (opromolla2022: 2048, uncooperative-suns: 1024)"""
+    """columns of rendered images (opromolla2022: 2048, uncooperative-*: 1024)"""
+    bracket: Annotated[tuple[float, ...], arg(metavar="FACTOR ...", help_behavior_hint="")] = ()
+    """further exposures of each image, as multiples of the metered one, such as 0.25 4, of
+    uncooperative-suns, whose pipelines make them one"""
     store: OptionalFolder = None
     """where rendered light is kept"""
     store_budget_gb: OptionalNumber = None
@@ -122,6 +125,7 @@ class Suite:
             duration_s=self.duration_s,
             rate_hz=self.rate_hz,
             width=self.width,
+            bracket=self.bracket or None,
             store=self.store,
             store_budget_gb=self.store_budget_gb,
             seed=self.seed,

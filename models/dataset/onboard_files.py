@@ -146,6 +146,8 @@ def expectations_to_toml(expected: FlightExpectations) -> str:
     if expected.sun_dir_in_inertial is not None:
         table["sun_dir_in_inertial"] = expected.sun_dir_in_inertial.tolist()
         table["sun_sigma_deg"] = float(expected.sun_sigma_deg)
+    if expected.earth_shines:
+        table["earth_shines"] = True
     if expected.earth_dir_in_inertial is not None:
         table["earth_dir_in_inertial"] = expected.earth_dir_in_inertial.tolist()
     if expected.white_dn_ms is not None:
@@ -167,7 +169,7 @@ def read_expectations(path: Path) -> FlightExpectations:
         ("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas),
         (
             *("range_m", "inertia_kg_m2", "sun_dir_in_inertial", "sun_sigma_deg"),
-            *("earth_dir_in_inertial", "white_dn_ms"),
+            *("earth_shines", "earth_dir_in_inertial", "white_dn_ms"),
         ),
     )
     span = fields.vector("range_m", 2, 0.0, ORBIT_M[1]) if "range_m" in fields else None
@@ -187,6 +189,7 @@ def read_expectations(path: Path) -> FlightExpectations:
         sun_sigma_deg=(
             fields.number("sun_sigma_deg", 0.0, 180.0) if "sun_sigma_deg" in fields else 0.0
         ),
+        earth_shines=fields.flag("earth_shines") if "earth_shines" in fields else False,
         earth_dir_in_inertial=_direction(fields, "earth_dir_in_inertial"),
         white_dn_ms=(
             fields.number("white_dn_ms", *WHITE_DN_MS) if "white_dn_ms" in fields else None

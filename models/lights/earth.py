@@ -11,6 +11,7 @@ as any one number. Radii: IERS Conventions 2010 (equator), GEO from Kepler's thi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +21,7 @@ from models.arrays import Floats
 EARTH_RADIUS_KM = 6378.137
 GEO_RADIUS_KM = 42164.2
 ALBEDO = 0.297
+RINGS, SPOKES = 32, 64  # of directions that a disc's light is summed over: exact to 1e-4 of it
 
 
 @dataclass(frozen=True)
@@ -72,3 +74,34 @@ class Earth:
         lit = np.maximum(normals @ np.asarray(self.sun_dir_in_target), 0.0)
         level = self.albedo * self.sun_irradiance_w_m2 / np.pi
         return np.asarray(np.where(met, level * lit, 0.0))
+
+
+@lru_cache(maxsize=256)
+def facing_share(cosine: float, orbit_radius_km: float) -> float:
+    """Return the Earth's light over the Sun's, on faces that meet the middle of each squarely.
+
+    Far off it is the phase law of a Lambert sphere (Russell 1916), two thirds of the albedo times
+    the square of the disc's angular radius at full phase; close by, the albedo itself.
+
+    Parameters
+    ----------
+    cosine : float
+        Of the angle between the Sun and the target as the Earth's centre sees them.
+    orbit_radius_km : float, km
+        Distance from that centre.
+
+    Returns
+    -------
+    float
+    """
+    sine = float(np.sqrt(max(1.0 - cosine**2, 0.0)))
+    earth = Earth((0.0, 0.0, 1.0), (sine, 0.0, -cosine), orbit_radius_km, ALBEDO, 1.0)
+    edge = earth.sine_of_radius**2
+    nodes, weights = np.polynomial.legendre.leggauss(RINGS)
+    squared = 0.5 * edge * (nodes[:, None] + 1.0)  # of the sine off the centre: cos dOmega evenly
+    spoke = (np.arange(SPOKES) + 0.5) * 2.0 * np.pi / SPOKES
+    off = np.sqrt(squared)
+    up = np.broadcast_to(np.sqrt(1.0 - squared), (RINGS, SPOKES))
+    rays = np.stack([off * np.cos(spoke), off * np.sin(spoke), up], axis=-1)
+    light = earth.radiance(rays).mean(axis=1)
+    return float(0.5 * np.pi * edge * (weights @ light))

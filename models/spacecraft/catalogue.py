@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {
     "maxar1300": lazily("models.spacecraft.maxar1300:maxar1300"),
     "maxar1300_grasp": lazily("models.spacecraft.grasp_markers:maxar1300_grasp"),
+    "maxar1300_unmarked": lazily("models.spacecraft.maxar1300_unmarked:maxar1300_unmarked"),
     "xmm": lazily("models.spacecraft.xmm:xmm"),
     "hispasat": lazily("models.spacecraft.hispasat:hispasat"),
     "chaser": lazily("models.spacecraft.chaser:chaser"),
@@ -22,6 +23,7 @@ SPACECRAFT: dict[str, Callable[[], Spacecraft]] = {
 TARGETS = {
     "maxar1300": "10 markers of radius 12.7 mm, 34 named parts",
     "maxar1300_grasp": "3 markers of radius 10.0 mm, 35 named parts",
+    "maxar1300_unmarked": "no markers; a wireframe of 26 landmarks, 29 edges, 33 named parts",
     "xmm": "no markers; a wireframe of 30 landmarks, 37 edges, 19 named parts",
     "hispasat": "no markers; a wireframe of 20 landmarks, 24 edges, 20 named parts",
 }

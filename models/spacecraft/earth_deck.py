@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
+from models.arrays import Floats
 from models.pose import RigidTransform
 from models.spacecraft.bus import EARTH_FACE_Z_M
 from models.spacecraft.part import Part
@@ -24,12 +25,14 @@ from models.spacecraft.solids import (
 HORNS = ((-0.55, 0.62, 0.16, 0.55), (0.55, 0.62, 0.16, 0.55), (-0.62, -0.55, 0.10, 0.38))
 TOWER_M = 1.05
 TOWER_FOOT_M = (-0.15, -0.25)
-DISH_RADIUS_M = 0.36
+TOWER_HALF_M = (0.16, 0.07)  # at foot and top
+LEG_M = 0.022
+DISH_RADIUS_M, DISH_FOCAL_LENGTH_M = 0.36, 0.26
+DECK = standing((0.0, 0.0, EARTH_FACE_Z_M), (0.0, 0.0, -1.0))  # target from deck
 
 
 def earth_deck_parts() -> tuple[Part, ...]:
     """Return the deck's antennas; their own z axis points to Earth."""
-    deck = standing((0.0, 0.0, EARTH_FACE_Z_M), (0.0, 0.0, -1.0))
     pieces = (
         ("earth_deck", _horns(), "bare_aluminium", True),
         ("earth_deck", _boxes(), "white_paint", False),
@@ -39,7 +42,7 @@ def earth_deck_parts() -> tuple[Part, ...]:
         ("telemetry_tower", _helices(), "bare_aluminium", True),
     )
     return tuple(
-        Part(name, placed(mesh, deck), material, smooth) for name, mesh, material, smooth in pieces
+        Part(name, placed(mesh, DECK), material, smooth) for name, mesh, material, smooth in pieces
     )
 
 
@@ -71,21 +74,22 @@ def _boxes() -> trimesh.Trimesh:
     )
 
 
-def _dish_frame() -> RigidTransform:
+def deck_from_dish() -> RigidTransform:
+    """Return where the steerable dish stands: its vertex, z along its axis."""
     return standing((0.62, -0.50, 0.42), (0.35, -0.25, 1.0))
 
 
 def _dish() -> trimesh.Trimesh:
     """Return a small front-fed dish with its subreflector."""
     r = np.linspace(0.0, DISH_RADIUS_M, 12)
-    face = np.column_stack([r, r**2 / (4.0 * 0.26)])
+    face = np.column_stack([r, r**2 / (4.0 * DISH_FOCAL_LENGTH_M)])
     back = face - np.array([0.0, 0.012])
     shell = lathe([*back.tolist(), *face[::-1].tolist()], 48)
-    return placed(joined([shell, cylinder(0.05, 0.24, 0.27, 20)]), _dish_frame())
+    return placed(joined([shell, cylinder(0.05, 0.24, 0.27, 20)]), deck_from_dish())
 
 
 def _gimbal() -> trimesh.Trimesh:
-    frame = _dish_frame()
+    frame = deck_from_dish()
     base = frame @ np.array([0.0, 0.0, -0.01])
     legs = []
     for turn in np.deg2rad([90.0, 210.0, 330.0]):
@@ -100,14 +104,20 @@ def _gimbal() -> trimesh.Trimesh:
     )
 
 
-def _tower() -> trimesh.Trimesh:
-    """Return the four-legged truss of the telemetry antennas."""
-    low, high = 0.16, 0.07
+def tower_legs() -> tuple[Floats, Floats]:
+    """Return the middles of the tower's legs at its foot and at its top, (4, 3) m each, on deck."""
+    low, high = TOWER_HALF_M
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
     foot = np.array([*TOWER_FOOT_M, 0.0])
     feet = np.column_stack([low * corners, np.zeros(4)]) + foot
     tops = np.column_stack([high * corners, np.full(4, TOWER_M)]) + foot
-    bars = [bar(feet[k], tops[k], 0.022, 0.022) for k in range(4)]
+    return feet, tops
+
+
+def _tower() -> trimesh.Trimesh:
+    """Return the four-legged truss of the telemetry antennas."""
+    feet, tops = tower_legs()
+    bars = [bar(feet[k], tops[k], LEG_M, LEG_M) for k in range(4)]
     for level in (0.33, 0.66, 1.0):
         ring = feet + level * (tops - feet)
         bars += [bar(ring[k], ring[(k + 1) % 4], 0.018, 0.018) for k in range(4)]

@@ -13,12 +13,10 @@ import numpy as np
 
 from models.arrays import Floats
 from models.spacecraft import hispasat_layout as at
-from models.spacecraft.hull import Outline, box_outline, hiding, sheet_outline, wireframe
-from models.spacecraft.solids import mesh_of, placed
+from models.spacecraft.hull import Outline, box_outline, dish_outline, sheet_outline, wireframe
 from models.wireframe.wireframe import Wireframe
 
 SIDES = {"plus_y": 1.0, "minus_y": -1.0}
-DISH_SIDES = 12  # of the polygon that stands for a dish
 
 
 def hispasat_wireframe() -> Wireframe:
@@ -55,11 +53,4 @@ def _active_antenna() -> Outline:
 
 
 def _dishes() -> list[Outline]:
-    angle = 2.0 * np.pi * np.arange(DISH_SIDES) / DISH_SIDES
-    x = at.DISH.centre_x_m + 0.5 * at.DISH.diameter_m * np.cos(angle)
-    y = 0.5 * at.DISH.diameter_m * np.sin(angle)
-    rim = np.stack([x, y, at.DISH.surface_height(x, y)], axis=-1)
-    j = np.arange(DISH_SIDES)
-    fan = np.stack([np.full(DISH_SIDES, DISH_SIDES), j, (j + 1) % DISH_SIDES], axis=-1)
-    dish = mesh_of(np.vstack([rim, at.DISH.centre()]), fan)
-    return [hiding(placed(dish, at.body_from_dish(sign))) for sign in (1.0, -1.0)]
+    return [dish_outline(at.DISH, at.body_from_dish(sign)) for sign in (1.0, -1.0)]

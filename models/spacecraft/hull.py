@@ -11,8 +11,12 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from models.arrays import Floats, Mask
+from models.pose import RigidTransform
+from models.spacecraft.offset_dish import OffsetDish
+from models.spacecraft.solids import mesh_of, placed
 from models.wireframe.wireframe import Wireframe
 
+DISH_SIDES = 12  # of the polygon that stands for a dish
 SIGNS = (("minus", 0), ("plus", 1))
 
 
@@ -84,6 +88,17 @@ def sheet_outline(component: str, names: tuple[str, ...], corners: ArrayLike) ->
 def hiding(mesh: trimesh.Trimesh) -> Outline:
     """Return a solid that hides what is behind it and has no corners to be found."""
     return Outline("", (), np.zeros((0, 3)), (), np.asarray(mesh.triangles, dtype=np.float64))
+
+
+def dish_outline(dish: OffsetDish, body_from_dish: RigidTransform) -> Outline:
+    """Return an offset dish as a fan of triangles, that hides and has no corners to be found."""
+    angle = 2.0 * np.pi * np.arange(DISH_SIDES) / DISH_SIDES
+    x = dish.centre_x_m + 0.5 * dish.diameter_m * np.cos(angle)
+    y = 0.5 * dish.diameter_m * np.sin(angle)
+    rim = np.stack([x, y, dish.surface_height(x, y)], axis=-1)
+    j = np.arange(DISH_SIDES)
+    fan = np.stack([np.full(DISH_SIDES, DISH_SIDES), j, (j + 1) % DISH_SIDES], axis=-1)
+    return hiding(placed(mesh_of(np.vstack([rim, dish.centre()]), fan), body_from_dish))
 
 
 def wireframe(

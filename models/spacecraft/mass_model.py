@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import Floats
-from models.spacecraft import hispasat_layout, xmm_layout
+from models.spacecraft import bus, hispasat_layout, offset_reflector, solar_wing, xmm_layout
 
 
 @dataclass(frozen=True)
@@ -120,6 +120,32 @@ def hispasat_lumps() -> tuple[Lump, ...]:
         ),
         *(
             Lump(48.0, (0.0, sign * wing_y, at.WING_Z), (2.0, wing_length, 0.9))
+            for sign in (-1.0, 1.0)
+        ),
+    )
+
+
+def maxar1300_lumps() -> tuple[Lump, ...]:
+    """Return a Maxar-1300 some years into its life, 4290 kg, axes and origin of TGFF.
+
+    No drawing of its tanks is public: theirs lie so that the centre of mass is the one of Opromolla
+    et al. 2022, 1.8 m behind the ring.
+    """
+    body_z, body_length = _between((bus.EARTH_FACE_Z_M, bus.FACE_Z_M))
+    wing_y, wing_length = _between((solar_wing.WING.inner_m, solar_wing.WING.tip_m))
+    return (
+        Lump(2600.0, (0.0, 0.0, body_z), (bus.WIDTH_M, bus.WIDTH_M, body_length)),
+        Lump(1400.0, (0.0, 0.0, -1.47), (1.3, 1.3, 1.8)),
+        *(
+            Lump(35.0, (sign * offset_reflector.DISH.centre_x_m, 0.0, -2.4), (2.0, 2.0, 0.8))
+            for sign in (-1.0, 1.0)
+        ),
+        *(
+            Lump(
+                110.0,
+                (0.0, sign * wing_y, solar_wing.WING_Z_M),
+                (solar_wing.WING.panel_m[0], wing_length, 0.0),
+            )
             for sign in (-1.0, 1.0)
         ),
     )

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 WIREFRAMES: dict[str, Callable[[], Wireframe]] = {
     "maxar1300_grasp": lazily("models.spacecraft.grasp_markers:grasp_board_outline"),
+    "maxar1300_unmarked": lazily("models.spacecraft.maxar1300_wireframe:maxar1300_wireframe"),
     "xmm": lazily("models.spacecraft.xmm_wireframe:xmm_wireframe"),
     "hispasat": lazily("models.spacecraft.hispasat_wireframe:hispasat_wireframe"),
 }

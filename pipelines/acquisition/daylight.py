@@ -15,7 +15,7 @@ import numpy as np
 
 from models.arrays import Floats, Indices, Mask, Radiance
 from models.camera import Camera
-from models.lights.earth import ALBEDO, EARTH_RADIUS_KM, GEO_RADIUS_KM
+from models.lights.earth import EARTH_RADIUS_KM, GEO_RADIUS_KM, facing_share
 from models.pose import RigidTransform
 from pipelines.acquisition.cell_grid import points_in_cells
 from pipelines.acquisition.surface_cloud import (
@@ -28,8 +28,7 @@ from pipelines.acquisition.surface_cloud import (
 PARTS = 2  # of a cell's side, in which the target is seen: what covers part of a cell is dimmer
 MOST_CELLS = 800  # of a side of any grid
 GRAZING = 0.02  # cosine at which a face is seen, at least
-EARTH_SINE2 = (EARTH_RADIUS_KM / GEO_RADIUS_KM) ** 2
-EARTH_WIDENS = 0.25 * EARTH_SINE2  # a lobe's square of roughness, by the Earth's disc
+EARTH_WIDENS = 0.25  # a lobe's square of roughness, times the square of the sine of its radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +44,14 @@ class Daylight:
     white_dn : float, optional, DN
         What a white matt surface that faces the Sun gives in this exposure; without it brightness
         tells little.
+    orbit_radius_km : float, km
+        From the Earth's centre to the target.
     """
 
     sun_in_cam: Floats
     earth_in_cam: Floats | None = None
     white_dn: float | None = None
+    orbit_radius_km: float = GEO_RADIUS_KM
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,28 +121,14 @@ def predicted_light(
     if light.earth_in_cam is not None:
         earth = light.earth_in_cam
         by_earth = _cosine(cloud, pose, earth, point) * side
-        share = earth_share(float(-earth @ sun))
-        direct += share * _leaves(finish, normals, ways, earth, by_earth, EARTH_WIDENS)
+        share = facing_share(float(np.clip(-earth @ sun, -1.0, 1.0)), light.orbit_radius_km)
+        widened = EARTH_WIDENS * (EARTH_RADIUS_KM / light.orbit_radius_km) ** 2
+        direct += share * _leaves(finish, normals, ways, earth, by_earth, widened)
     lit = float(np.maximum(cosine, 0.0).mean()) if len(point) else 0.0
     grids = np.zeros((3, height * width), dtype=np.float32)
     grids[0, there], grids[1, there] = direct, lit * (finish[:, 0] + finish[:, 1])
     grids[2, there] = 1.0
     return _closed(grids.reshape(3, height, width), corner)
-
-
-def earth_share(cosine: float) -> float:
-    """Return the Earth's light over the Sun's, on faces that meet each squarely.
-
-    The phase law of a Lambert sphere (Russell 1916), two thirds of it at full phase.
-
-    Parameters
-    ----------
-    cosine : float
-        Of the angle between the Sun and the target as the Earth sees them.
-    """
-    phase = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    law = (np.sin(phase) + (np.pi - phase) * np.cos(phase)) / np.pi
-    return float(ALBEDO * EARTH_SINE2 * 2.0 / 3.0 * law)
 
 
 def _cosine(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -10,7 +11,7 @@ import numpy as np
 from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
-from models.frame import CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
+from models.frame import BRACKET, CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
 from models.motion.perturbed_orbit import lvlh_axes
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
 from models.onboard import OnboardKnowledge, needed
@@ -61,6 +62,8 @@ class ImageFrame:
     mount : CameraMount, optional
         By the attitude that is navigated; without it, as known before flight.
     exposure_ms : float, optional, ms
+    bracket : tuple of ImageReading
+        Further exposures of the same view.
     """
 
     index: int
@@ -69,6 +72,7 @@ class ImageFrame:
     chaser: ChaserState
     mount: CameraMount | None = None
     exposure_ms: float | None = None
+    bracket: tuple[ImageReading, ...] = ()
 
 
 Seen: TypeAlias = PointFrame | ImageFrame
@@ -109,13 +113,23 @@ def shown(frame: Frame, chaser: ChaserState, mount: CameraMount | None = None) -
         pixels = np.stack([points.column("u_px"), points.column("v_px")], axis=1)
         return PointFrame(frame.index, frame.time_s, pixels, chaser, mount)
     reading = frame.image(IMAGE)
-    return ImageFrame(frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms)
+    bracket = tuple(
+        frame.image(name) for name in sorted(frame.readings) if name.startswith(BRACKET)
+    )
+    return ImageFrame(
+        frame.index, frame.time_s, reading.image, chaser, mount, reading.exposure_ms, bracket
+    )
 
 
 def image_frame(
-    index: int, time_s: float, image: Image, exposure_ms: float, chaser: ChaserState
+    index: int,
+    time_s: float,
+    image: Image,
+    exposure_ms: float,
+    chaser: ChaserState,
+    bracket: Sequence[tuple[Image, float]] = (),
 ) -> Frame:
-    """Return a frame of one image and the chaser's orbit.
+    """Return a frame of one image, maybe in several exposures, and the chaser's orbit.
 
     Parameters
     ----------
@@ -124,9 +138,15 @@ def image_frame(
     image : (height, width) uint16 array, DN
     exposure_ms : float, ms
     chaser : ChaserState
+    bracket : sequence of (image, exposure in ms)
+        Further exposures of the same view.
     """
     reading = ImageReading(image, time_s, exposure_ms)
-    return Frame(index, time_s, {IMAGE: reading, CHASER_ORBIT: chaser.reading()})
+    further = {
+        f"{BRACKET}{number}": ImageReading(own, time_s, own_ms)
+        for number, (own, own_ms) in enumerate(bracket)
+    }
+    return Frame(index, time_s, {IMAGE: reading, **further, CHASER_ORBIT: chaser.reading()})
 
 
 def points_frame(index: int, time_s: float, points_px: Floats, chaser: ChaserState) -> Frame:
@@ -170,8 +190,10 @@ class UncooperativeKnowledge:
         Unit vector towards the Sun by the ephemeris on board, in the axes of the chaser's orbit.
     sun_sigma_deg : float, deg
         1-sigma per axis of that direction as the camera sees it.
+    earth_shines : bool
+        Whether the Earth lights the target; it stands where the chaser's orbit has it,
     earth_dir_in_inertial : (3,) array, optional
-        Unit vector towards the Earth's centre, where it shines on the target.
+        unless this is known, a unit vector towards its centre.
     white_dn_ms : float, optional, DN/ms
         What a white matt surface that the Sun meets squarely gives the camera.
     """
@@ -187,6 +209,7 @@ class UncooperativeKnowledge:
     inertia_kg_m2: Floats | None = None
     sun_dir_in_inertial: Floats | None = None
     sun_sigma_deg: float = 0.0
+    earth_shines: bool = False
     earth_dir_in_inertial: Floats | None = None
     white_dn_ms: float | None = None
 
@@ -208,7 +231,10 @@ class UncooperativeKnowledge:
         axes = lvlh_axes(chaser.position_in_inertial, chaser.velocity_in_inertial)
         mounted = self.cam_from_lvlh if mount is None else mount.cam_from_lvlh
         cam_from_inertial = mounted.rotation @ axes.T
+        radius_m = float(np.linalg.norm(chaser.position_in_inertial))
         earth = self.earth_dir_in_inertial
+        if earth is None and self.earth_shines:
+            earth = -chaser.position_in_inertial / radius_m
         white_dn = None
         if self.white_dn_ms is not None and exposure_ms:
             white_dn = self.white_dn_ms * exposure_ms
@@ -216,6 +242,7 @@ class UncooperativeKnowledge:
             cam_from_inertial @ self.sun_dir_in_inertial,
             None if earth is None else cam_from_inertial @ earth,
             white_dn,
+            1e-3 * radius_m,
         )
 
     @classmethod
@@ -240,6 +267,7 @@ class UncooperativeKnowledge:
             inertia_kg_m2=expected.inertia_kg_m2,
             sun_dir_in_inertial=expected.sun_dir_in_inertial,
             sun_sigma_deg=expected.sun_sigma_deg,
+            earth_shines=expected.earth_shines,
             earth_dir_in_inertial=expected.earth_dir_in_inertial,
             white_dn_ms=expected.white_dn_ms,
         )

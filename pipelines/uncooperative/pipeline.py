@@ -13,15 +13,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
+from models.errors import DatasetError
 from models.estimate import Detections, Estimate
-from models.frame import Frame
+from models.frame import BRACKET, Frame, ImageReading
 from models.motion.relative_state import RelativeState
+from models.onboard import needed
 from models.pose import RigidTransform
+from pipelines.detection.exposure_fusion import fused_exposures
 from pipelines.filters.covariance_fault import covariance_fault
 from pipelines.filters.lasting_errors import WHITE
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
 from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
 from pipelines.uncooperative.knowledge import (
+    NAME,
     ImageFrame,
     PointFrame,
     Seen,
@@ -66,6 +70,8 @@ class Uncooperative:
         self._start = start
         self._points = PointPoseFinder(knowledge, options)
         self._images = images
+        self._detector = knowledge.detector
+        self._brackets: bool | None = None
         self._navigation: RelativeNavigation | None = None
         self._lost_frames = 0
         self._share = 1.0
@@ -97,6 +103,8 @@ class Uncooperative:
 
     def process_seen(self, frame: Seen) -> Estimate:
         """Estimate the state at one frame, as ``process`` does, of what it shows."""
+        if isinstance(frame, ImageFrame):
+            frame = self._as_one(frame)
         finder = self._finder(frame)
         if self._start is not None:
             self._navigation = self._filters(frame)
@@ -180,6 +188,29 @@ class Uncooperative:
             return Estimate(frame.index, frame.time_s, reason=reason, detections=Detections.none())
         covariance = predicted.pose_covariance(self._mount(frame))
         return finder.track(frame, guess, covariance)
+
+    def _as_one(self, frame: ImageFrame) -> ImageFrame:
+        """Return a frame whose exposures are one, as the camera's detector is then taken to be.
+
+        Raises
+        ------
+        DatasetError
+            If a run's frames have further exposures here and none there, or no detector is known.
+        """
+        if self._brackets is None:
+            self._brackets = bool(frame.bracket)
+        if self._brackets is not bool(frame.bracket):
+            raise DatasetError(
+                f"frame {frame.index}: expected further exposures ({BRACKET}0 and on) in all "
+                f"frames of a run or in none, got {len(frame.bracket)} after others"
+            )
+        if not frame.bracket:
+            return frame
+        detector = needed(self._detector, "detector.toml", NAME)
+        metered = ImageReading(frame.image, frame.time_s, frame.exposure_ms or 0.0)
+        fused = fused_exposures((metered, *frame.bracket), detector)
+        self._knowledge = replace(self._knowledge, detector=fused.detector)
+        return replace(frame, image=fused.image, exposure_ms=fused.exposure_ms, bracket=())
 
     def _mount(self, frame: Seen) -> RigidTransform:
         return self._knowledge.cam_from_lvlh if frame.mount is None else frame.mount.cam_from_lvlh

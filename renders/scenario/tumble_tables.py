@@ -65,7 +65,22 @@ class OnboardTable(Table):
         ge=0,
         le=180,
         description="per axis, of the Sun's direction on board, drawn in every run; left out, the "
-        "Sun is not told, and starts know nothing of it",
+        "Sun is not told, and starts know nothing of it; where it is, so is whether the Earth "
+        "shines",
+    )
+    finish_sigma: float | None = Field(
+        None,
+        ge=0,
+        le=2,
+        description="of each material's reflectance on board, as a share, log-normal, drawn in "
+        "every run; left out, what the target is made of is not told",
+    )
+    white_sigma: float | None = Field(
+        None,
+        ge=0,
+        le=2,
+        description="likewise of what a white surface in the Sun gives the camera; left out, it is "
+        "not told",
     )
     knows_target: bool | None = Field(
         None,
@@ -136,9 +151,28 @@ def check_tumble(scenario: Scenario, where: str) -> None:
             "above zero and the largest at most the sum of the others; "
             f"got moments {moments.tolist()}"
         )
+    _check_light(table.onboard, where)
     span = table.onboard.range_m
     if span and not (len(span) == 2 and 0.0 < span[0] <= span[1]):
         raise ScenarioError(
             f"{where}: expected tumble.onboard.range_m as nearest and farthest, m, "
             f"got {list(span)}; leave it out where none is known"
         )
+
+
+def _check_light(table: OnboardTable, where: str) -> None:
+    """Refuse to tell of the light what nobody could use."""
+    for key in ("finish_sigma", "white_sigma"):
+        value = getattr(table, key)
+        if value is None:
+            continue
+        if table.sun_sigma_deg is None:
+            raise ScenarioError(
+                f"{where}: expected tumble.onboard.{key} to be left out where the Sun is not told, "
+                f"got {value:g}; give sun_sigma_deg too"
+            )
+        if key == "finish_sigma" and table.knows_target is False:
+            raise ScenarioError(
+                f"{where}: expected tumble.onboard.finish_sigma to be left out where "
+                f"knows_target is false, got {value:g}"
+            )

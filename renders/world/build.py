@@ -61,6 +61,7 @@ from renders.world.own_navigation import SensorsAboard
 from renders.world.range_readings import RangeReadings
 from renders.world.sky import FixedInTarget, Sky, Turning, TurningWithOrbit, sun_group
 from renders.world.table_sensors import TableSensor
+from renders.world.told_light import ToldLight
 from renders.world.trajectory import FreeMotion, Trajectory
 from renders.world.world import World
 
@@ -199,7 +200,9 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
                     else inertial_sun(scenario, sky.sun, scenario.motion.start_s)
                 ),
                 sun_sigma_deg=told.sun_sigma_deg or 0.0,
+                earth_shines=told.sun_sigma_deg is not None and scenario.earth.shines,
             ),
+            light=ToldLight(scenario, told, wireframe if known else None),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
             told=scenario.told,
             drift=scenario.drift,

@@ -20,6 +20,7 @@ from renders.world.arm_told import FirstPoseByArm, ToldArm
 from renders.world.bodies import Bodies
 from renders.world.own_navigation import SensorsAboard
 from renders.world.told import ToldClock, told
+from renders.world.told_light import ToldLight
 from renders.world.trajectory import Trajectory
 
 PRIOR_DRAW = 101  # purpose that keys a run's random numbers
@@ -82,6 +83,8 @@ class BeforeFlight:
         What lamps and lens have become; its sigmas are told.
     navigation : SensorsAboard or None
         The chaser's own sensors, and where their filter starts.
+    light : ToldLight or None
+        What is told of the light and of what the target returns of it.
     """
 
     camera: Camera
@@ -96,6 +99,7 @@ class BeforeFlight:
     arm: ToldArm | None = None
     drift: DriftTable | None = None
     navigation: SensorsAboard | None = None
+    light: ToldLight | None = None
 
     def in_run(self, run: int) -> OnboardKnowledge:
         """Return what a run has on board: its own prior, and its own errors of all that is told.
@@ -132,7 +136,8 @@ class BeforeFlight:
                 **({} if self.navigation is None else self.navigation.tables(run)),
             },
         )
-        return told(true, self.told, self.calibration, run)
+        known = true if self.light is None else self.light.on_board(true, run)
+        return told(known, self.told, self.calibration, run)
 
     def clock(self, run: int) -> ToldClock:
         """Return the clock on board in a run."""

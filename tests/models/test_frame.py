@@ -68,6 +68,7 @@ def test_a_frame_holds_readings_and_times_and_no_truth() -> None:
             "inertia_kg_m2",
             "sun_dir_in_inertial",
             "sun_sigma_deg",
+            "earth_shines",
             "earth_dir_in_inertial",
             "white_dn_ms",
         },

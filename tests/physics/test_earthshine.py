@@ -11,7 +11,7 @@ from scipy.integrate import dblquad
 
 from models.arrays import Radiance
 from models.camera import Camera
-from models.lights.earth import ALBEDO, GEO_RADIUS_KM, Earth
+from models.lights.earth import ALBEDO, GEO_RADIUS_KM, Earth, facing_share
 from models.lights.sun import PASSBAND_IRRADIANCE_W_M2
 from renders.tracing.light_groups import EarthGroup
 from tests.support.image_statistics import same_image
@@ -62,6 +62,13 @@ def test_a_matt_plate_under_the_earth(earth: Earth) -> None:
     grey = 0.5
     middle = overhead(earth, LAMBERT)[10:14, 10:14].mean()
     assert middle == pytest.approx(grey * irradiance_w_m2(earth) / np.pi, rel=HALF_PERCENT)
+
+
+@pytest.mark.parametrize("earth", [GIBBOUS, LEO], ids=["geo", "leo"])
+def test_what_is_told_on_board_of_its_light_is_what_falls_on_a_plate(earth: Earth) -> None:
+    """The Earth is straight above, the Sun's rays come over it at a cosine of 0.8."""
+    told = PASSBAND_IRRADIANCE_W_M2 * facing_share(0.8, earth.orbit_radius_km)
+    assert told == pytest.approx(irradiance_w_m2(earth), rel=HALF_PERCENT)
 
 
 def test_the_full_earth_far_off_is_a_lambert_sphere() -> None:

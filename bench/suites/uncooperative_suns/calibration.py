@@ -27,8 +27,9 @@ from tyro.conf import Positional
 from bench.suites.spread import do_units
 from bench.suites.uncooperative_suns.cases import IMAGES
 from bench.suites.uncooperative_suns.evidence import Row, evidence_units, replayed
-from bench.suites.uncooperative_suns.plan import TARGETS, Plan, Sizes
+from bench.suites.uncooperative_suns.plan import Plan, Sizes
 from bench.suites.uncooperative_suns.results import DOUBT_EDGES, interval
+from bench.suites.uncooperative_suns.targets import TARGETS
 from bench.suites.units import done_outcome
 from models.arrays import Floats, Mask
 from models.errors import DatasetError

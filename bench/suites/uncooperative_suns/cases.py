@@ -56,6 +56,8 @@ class MotionTask:
         Per pixel.
     images : int
         Of each start.
+    bracket : tuple of float
+        Further exposures of each image, as multiples of the metered one.
     """
 
     target: str
@@ -65,6 +67,7 @@ class MotionTask:
     width: int
     samples: int
     images: int = IMAGES
+    bracket: tuple[float, ...] = ()
 
     def rng(self, *key: int) -> np.random.Generator:
         """Return the random numbers of a purpose."""
@@ -138,7 +141,7 @@ def draw_motion(task: MotionTask, camera: Camera, radius_m: float) -> DrawnMotio
     centre = 0.5 * np.array([camera.width - 1.0, camera.height - 1.0])
     place = range_m * camera.rays((centre + 0.5 * off)[None])[0]
     rate_deg_s, step_s = log_uniform(rng, RATES_DEG_S), log_uniform(rng, STEPS_S)
-    axis = _direction(rng)
+    axis = any_direction(rng)
     times_s = step_s * np.arange(task.images, dtype=np.float64)
     poses = tuple(
         RigidTransform(
@@ -147,7 +150,9 @@ def draw_motion(task: MotionTask, camera: Camera, radius_m: float) -> DrawnMotio
         for t in times_s
     )
     inertial_from_cam = (CAM_FROM_LVLH.rotation @ ORBIT.inertial_from_lvlh(0.0).T).T
-    earth = next(e for _ in range(MOST_DRAWS) if (e := _direction(rng))[2] < _cos(EARTH_AWAY_DEG))
+    earth = next(
+        e for _ in range(MOST_DRAWS) if (e := any_direction(rng))[2] < _cos(EARTH_AWAY_DEG)
+    )
     suns = [_sun(task, number, place, earth) for number in range(SUNS)]
     return DrawnMotion(
         times_s=times_s,
@@ -188,7 +193,8 @@ def _sun(task: MotionTask, number: int, place: Floats, earth: Floats) -> Floats:
             return sun
 
 
-def _direction(rng: np.random.Generator) -> Floats:
+def any_direction(rng: np.random.Generator) -> Floats:
+    """Return a unit vector, even over the sphere, (3,)."""
     vector = rng.standard_normal(3)
     return np.asarray(vector / np.linalg.norm(vector))
 

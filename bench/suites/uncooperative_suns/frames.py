@@ -78,7 +78,8 @@ def render_motion(task: MotionTask) -> Outcome:
     -------
     Outcome
         ``images`` (k, n, height, width) uint16; ``exposure_ms`` (k, n); ``lit`` (k, n), the share
-        of the silhouette that is above three sigmas; ``covered`` (n,), pixels of the silhouette.
+        of the silhouette that is above three sigmas; ``covered`` (n,), pixels of the silhouette;
+        ``bracket`` (k, n, b, height, width) uint16, further exposures of the same light.
     """
     motion = drawn(task)
     start_renderer(choose_variant("auto"), 1)
@@ -89,6 +90,7 @@ def render_motion(task: MotionTask) -> Outcome:
     images = np.zeros((SUNS, count, *size), dtype=np.uint16)
     exposure_ms, lit = np.zeros((SUNS, count)), np.zeros((SUNS, count))
     covered = np.zeros(count, dtype=np.int64)
+    bracket = np.zeros((SUNS, count, len(task.bracket), *size), dtype=np.uint16)
     for place in range(count):
         own = world.exposures[SUNS * place : SUNS * (place + 1)]
         pose = motion.poses[place]
@@ -97,19 +99,40 @@ def render_motion(task: MotionTask) -> Outcome:
         for number, exposure in enumerate(own):
             light = studio.light(exposure, pose, own[number + 1 :])
             before = images[number, place - 1] if place else None
-            image, taken_ms = _exposed(
+            image, taken_ms = metered_image(
                 world, light, exposure, exposure_ms[number, place - 1], before
             )
             images[number, place], exposure_ms[number, place] = image, taken_ms
-            lit[number, place] = _lit_share(image, mask, world.scenario.simulated_detector)
+            for draw, factor in enumerate(task.bracket, start=1):
+                further = compose(world, light, exposure, factor * taken_ms, draw)
+                bracket[number, place, draw - 1] = further
+            lit[number, place] = lit_share(image, mask, world.scenario.simulated_detector)
     values: dict[str, Any] = {"images": images, "exposure_ms": exposure_ms, "lit": lit}
-    return Outcome({**values, "covered": covered}, np.zeros(0))
+    return Outcome({**values, "covered": covered, "bracket": bracket}, np.zeros(0))
 
 
-def _exposed(
+def metered_image(
     world: World, light: Any, exposure: Exposure, before_ms: float, before: Image | None
 ) -> tuple[Image, float]:
-    """Meter from the image before, the first from some of its own, and expose."""
+    """Meter from the image before, the first from some of its own, and expose.
+
+    Parameters
+    ----------
+    world : World
+    light : light of the exposure's groups
+    exposure : Exposure
+    before_ms : float, ms
+        Exposure of the image before.
+    before : (height, width) uint16 array or None, DN
+        That image; None at the first.
+
+    Returns
+    -------
+    (height, width) uint16 array, DN
+        The image,
+    float, ms
+        and its exposure.
+    """
     detector = world.scenario.simulated_detector
     if before is not None:
         taken_ms = METER.next_ms(before_ms, before, detector)
@@ -120,8 +143,16 @@ def _exposed(
     return compose(world, light, exposure, taken_ms, 0), taken_ms
 
 
-def _lit_share(image: Image, mask: Any, detector: Detector) -> float:
-    """Return the share of a silhouette that is above three sigmas of the detector's noise."""
+def lit_share(image: Image, mask: Any, detector: Detector) -> float:
+    """Return the share of a silhouette that is above three sigmas of the detector's noise.
+
+    Parameters
+    ----------
+    image : (height, width) uint16 array, DN
+    mask : (height, width) array of bool
+        The silhouette.
+    detector : Detector
+    """
     noise = float(detector.noise_dn(np.array([detector.bias_dn]))[0])
     above = image[mask] > detector.bias_dn + LIT_SIGMAS * noise
     return float(above.mean()) if above.size else 0.0

@@ -14,8 +14,9 @@ from scipy.stats import beta
 from bench.scoring.judgement import without_numbers
 from bench.scoring.tumble.navigation_errors import symmetric_attitude_deg
 from bench.suites.uncooperative_suns.cases import SUNS, MotionTask, draw_motion
+from bench.suites.uncooperative_suns.frame_plan import VARIANTS
 from bench.suites.uncooperative_suns.frames import known_of
-from bench.suites.uncooperative_suns.plan import VARIANTS, Plan
+from bench.suites.uncooperative_suns.plan import Plan
 from bench.suites.units import done_outcome
 from models.arrays import Floats, Indices, Mask
 from models.pose import RigidTransform
@@ -173,7 +174,7 @@ def starts_of(plan: Plan, target: str, variant: str) -> Starts:
     """
     rows: dict[str, list[object]] = {}
     reasons: list[str] = []
-    folder = plan.out / "units"
+    folder = plan.units_folder
     for unit, frames in zip(plan.starts(target, variant), plan.frames(target), strict=False):
         outcome = done_outcome(folder, unit)
         lit = done_outcome(plan.frames_folder, frames).values["lit"].mean(axis=1)

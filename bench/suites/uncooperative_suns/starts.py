@@ -113,12 +113,15 @@ def try_starts(task: StartsTask, frames: str) -> Outcome:
         pipeline = registered_pipeline(PIPELINE).make(onboard, task.variant)
         reason = ""
         for image in range(motion.images):
+            taken_ms = float(shown["exposure_ms"][number, image])
+            further = zip(shown["bracket"][number, image], motion.bracket, strict=True)
             frame = image_frame(
                 image,
                 float(drawn.times_s[image]),
                 shown["images"][number, image],
-                float(shown["exposure_ms"][number, image]),
+                taken_ms,
                 drawn.chaser(image),
+                [(own, factor * taken_ms) for own, factor in further],
             )
             began = time.process_time()
             said = pipeline.process(frame)

@@ -13,10 +13,10 @@ from bench.report.numbers import count, number
 from bench.scoring.score import rounded
 from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
-from bench.suites.spread import do_units
 from bench.suites.uncooperative_suns.page import write_suite_page
-from bench.suites.uncooperative_suns.plan import QUICK, TARGETS, Plan, Sizes
+from bench.suites.uncooperative_suns.plan import QUICK, Plan, Sizes
 from bench.suites.uncooperative_suns.results import Summary, results_of, summary_of
+from bench.suites.uncooperative_suns.targets import TARGETS
 from bench.suites.units import LIBRARIES, WorkUnit
 
 NAME = "uncooperative-suns"
@@ -30,7 +30,10 @@ def plan_of(request: SuiteRequest) -> Plan:
     ScenarioError
         If a target or a size is none.
     """
-    own, asked = QUICK if request.quick else Sizes(), request.sizes("runs", "paper_runs", "width")
+    own, asked = (
+        QUICK if request.quick else Sizes(),
+        request.sizes("runs", "paper_runs", "width", "bracket"),
+    )
     sizes = replace(own, seed=request.seed, **asked)
     return Plan(sizes, request.parts or TARGETS, request.out)
 
@@ -55,10 +58,7 @@ def prepare(request: SuiteRequest, units: Sequence[WorkUnit], console: Console) 
     ScenarioError, VariantError, StorageError
         Each says what to do; nothing already done is lost.
     """
-    plan = plan_of(request)
-    read = {unit.reads for unit in units}
-    own = [unit for unit in plan.every_frame if plan.frames_file(unit) in read]
-    do_units(own, plan.frames_folder, request.workers, console, plan.every_frame)
+    plan_of(request).render_for(units, request.workers, console)
 
 
 def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
@@ -83,8 +83,7 @@ def run_plan(plan: Plan, workers: int, console: Console) -> SuiteFiles:
     console : Console
         For progress.
     """
-    do_units(plan.every_frame, plan.frames_folder, workers, console)
-    do_units(plan.units, plan.out / "units", workers, console)
+    plan.do_all(workers, console)
     results = results_of(plan)
     summaries = {
         target: {variant: summary_of(starts) for variant, starts in own.items()}

@@ -6,22 +6,18 @@ reflectance by age and by what nobody measured, the camera's level by its calibr
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from bench.suites.uncooperative_suns.cases import DrawnMotion, MotionTask, told_sun
 from bench.suites.uncooperative_suns.frames import scenario_of
-from models.lights.sun import PASSBAND_IRRADIANCE_W_M2
 from models.motion.tumble import CAM_FROM_LVLH
 from models.onboard import FlightExpectations, OnboardKnowledge, needed
-from models.spacecraft.finishes import FaceShares, face_shares, finish_of
-from models.spacecraft.part import Spacecraft
-from models.wireframe.wireframe import Wireframe
-from renders.detector.expose import SUNLIGHT_NM, electrons_per_radiance
 from renders.scenario.own_target import target_of, wireframe_of
 from renders.world.build import world_of
+from renders.world.told_light import TrueFinish, white_dn_ms
 
 SIGMA_PX = 0.7
 REFLECTANCE_SIGMA = 0.2  # of each material's, as a share: log-normal
@@ -37,33 +33,23 @@ class TrueTarget:
     ----------
     onboard : OnboardKnowledge
         Camera and detector.
-    wireframe : Wireframe
-    spacecraft : Spacecraft
-    met : FaceShares
-        What its wireframe's triangles stand for.
+    finish : TrueFinish
+        Of its wireframe.
     white_dn_ms : float, DN/ms
     """
 
     onboard: OnboardKnowledge
-    wireframe: Wireframe
-    spacecraft: Spacecraft
-    met: FaceShares
+    finish: TrueFinish
     white_dn_ms: float
 
 
 @lru_cache(maxsize=4)
 def _true(target: str, shape: str, width: int, samples: int) -> TrueTarget:
     scenario = scenario_of(MotionTask(target, shape, 0, 0, width, samples))
-    wireframe, spacecraft = wireframe_of(scenario), target_of(scenario)
-    detector = scenario.simulated_detector
-    per_radiance = electrons_per_radiance(scenario.simulated_optics, detector, SUNLIGHT_NM)
-    electrons_s = PASSBAND_IRRADIANCE_W_M2 / np.pi * per_radiance
     return TrueTarget(
         world_of(scenario).onboard(0),
-        wireframe,
-        spacecraft,
-        face_shares(wireframe, spacecraft),
-        1e-3 * electrons_s / detector.gain_e_dn,
+        TrueFinish(wireframe_of(scenario), target_of(scenario)),
+        white_dn_ms(scenario),
     )
 
 
@@ -83,13 +69,13 @@ def onboard_of(
         Per axis.
     """
     true = _true(task.target, task.shape, task.width, task.samples)
-    off = task.rng(FINISH_DRAW).standard_normal(len(true.met.materials))
-    factors = dict(zip(true.met.materials, np.exp(REFLECTANCE_SIGMA * off).tolist(), strict=True))
+    names = true.finish.materials
+    off = task.rng(FINISH_DRAW).standard_normal(len(names)).tolist()
     level = float(np.exp(LEVEL_SIGMA * task.rng(LEVEL_DRAW).standard_normal()))
     return OnboardKnowledge(
         camera=needed(true.onboard.camera, "camera.toml", "the suite"),
         detector=needed(true.onboard.detector, "detector.toml", "the suite"),
-        wireframe=replace(true.wireframe, finish=finish_of(true.met, true.spacecraft, factors)),
+        wireframe=true.finish.told(REFLECTANCE_SIGMA, dict(zip(names, off, strict=True))),
         expectations=FlightExpectations(
             CAM_FROM_LVLH,
             SIGMA_PX,
@@ -97,6 +83,7 @@ def onboard_of(
                 task, number, drawn.suns_in_inertial[number], sun_sigma_deg
             ),
             sun_sigma_deg=sun_sigma_deg,
+            earth_shines=drawn.earth_shines[number],
             earth_dir_in_inertial=drawn.earth_in_inertial if drawn.earth_shines[number] else None,
             white_dn_ms=level * true.white_dn_ms,
         ),

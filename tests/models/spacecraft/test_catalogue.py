@@ -13,7 +13,9 @@ def test_finds_a_spacecraft_by_its_name(name: str) -> None:
 
 
 def test_an_unknown_name_is_answered_with_those_there_are() -> None:
-    with pytest.raises(ScenarioError, match=r"maxar1300, maxar1300_grasp, xmm, got 'hubble'"):
+    with pytest.raises(
+        ScenarioError, match=r"maxar1300, maxar1300_grasp, maxar1300_unmarked, xmm, got 'hubble'"
+    ):
         spacecraft_by_name("hubble")
 
 

@@ -8,8 +8,16 @@ import trimesh
 
 from models.spacecraft import hispasat_layout, xmm_layout
 from models.spacecraft.catalogue import spacecraft_by_name
-from models.spacecraft.mass_model import Lump, hispasat_lumps, mass_properties, xmm_lumps
+from models.spacecraft.mass_model import (
+    Lump,
+    hispasat_lumps,
+    mass_properties,
+    maxar1300_lumps,
+    xmm_lumps,
+)
+from models.spacecraft.maxar1300 import CENTRE_OF_MASS_M
 
+CENTRE_M = 5e-3
 THIN_M = 1e-3  # what trimesh wants of a sheet
 
 
@@ -26,7 +34,9 @@ def by_trimesh(lumps: tuple[Lump, ...]) -> tuple[float, np.ndarray, np.ndarray]:
     return mass, np.asarray(middle), inertia
 
 
-@pytest.mark.parametrize("lumps", [xmm_lumps(), hispasat_lumps()], ids=["xmm", "hispasat"])
+@pytest.mark.parametrize(
+    "lumps", [xmm_lumps(), hispasat_lumps(), maxar1300_lumps()], ids=["xmm", "hispasat", "maxar"]
+)
 def test_lumps_add_up_as_trimeshs_boxes_do(lumps: tuple[Lump, ...]) -> None:
     found, (mass, middle, inertia) = mass_properties(lumps), by_trimesh(lumps)
     assert found.mass_kg == pytest.approx(mass)
@@ -39,6 +49,12 @@ def test_masses_are_those_at_launch_and_of_the_mirrors() -> None:
     assert mass_properties(xmm_lumps()).mass_kg == pytest.approx(3764.0)
     assert max(lump.mass_kg for lump in xmm_lumps()) == 1420.0
     assert mass_properties(hispasat_lumps()).mass_kg == pytest.approx(3220.0, abs=0.5)
+
+
+def test_the_maxars_centre_of_mass_is_the_published_one() -> None:
+    found = mass_properties(maxar1300_lumps())
+    np.testing.assert_allclose(found.centre_of_mass, CENTRE_OF_MASS_M, atol=CENTRE_M)
+    assert np.diag(found.inertia).argmin() == 1  # along the wings it is slender
 
 
 def bounds_of(craft: str, *parts: str) -> np.ndarray:

@@ -9,11 +9,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.arrays import Floats
+from models.lights.earth import GEO_RADIUS_KM, facing_share
 from models.pose import RigidTransform
 from models.wireframe.finish import Finish
 from models.wireframe.wireframe import Wireframe
 from pipelines.acquisition.brightness_search import BrightnessSearch
-from pipelines.acquisition.daylight import Daylight, PredictedLight, earth_share, predicted_light
+from pipelines.acquisition.daylight import Daylight, PredictedLight, predicted_light
 from pipelines.acquisition.image_part import cut_out
 from pipelines.acquisition.surface_cloud import surface_cloud
 from tests.support.drawn_targets import CAMERA, DETECTOR, SUNLIT_DN, drawn
@@ -83,15 +84,18 @@ def test_a_sheet_lit_from_behind_is_dark_but_for_the_earth() -> None:
     behind, earth = -TOWARDS_CAMERA, np.array([0.6, 0.0, -0.8])
     assert middle(predicted(plate((0.7, 0.1)), Daylight(behind))) == 0.0
     told = middle(predicted(plate((0.7, 0.1)), Daylight(behind, earth)))
-    assert told == pytest.approx(0.7 * 0.8 * earth_share(float(-earth @ behind)), rel=CLOUD_SHARE)
+    assert told == pytest.approx(
+        0.7 * 0.8 * facing_share(float(-earth @ behind), GEO_RADIUS_KM), rel=CLOUD_SHARE
+    )
 
 
-def test_the_earth_gives_most_when_it_is_full_and_nothing_when_new() -> None:
-    """Two thirds of the albedo times the square of its angular radius: a Lambert sphere."""
-    assert earth_share(1.0) == pytest.approx(2.0 / 3.0 * 0.297 * (6378.137 / 42164.2) ** 2)
-    assert earth_share(-1.0) == pytest.approx(0.0, abs=1e-12)
-    phases = [earth_share(np.cos(angle)) for angle in np.linspace(0.0, np.pi, 9)]
-    assert phases == sorted(phases, reverse=True)
+def test_an_earth_nearer_by_is_a_brighter_light() -> None:
+    behind, earth = -TOWARDS_CAMERA, np.array([0.6, 0.0, -0.8])
+    for radius_km in (7000.0, GEO_RADIUS_KM):
+        light = Daylight(behind, earth, orbit_radius_km=radius_km)
+        share = facing_share(float(-earth @ behind), radius_km)
+        seen = middle(predicted(plate((0.7, 0.1)), light))
+        assert seen == pytest.approx(0.7 * 0.8 * share, rel=CLOUD_SHARE)
 
 
 def test_a_mirror_shines_where_it_reflects_the_sun_and_nowhere_else() -> None:

@@ -134,3 +134,20 @@ def test_the_earth_below_is_at_the_foot_of_the_image_and_exposure_scales_white()
     unknown = told.daylight(chaser, None)
     assert unknown is not None
     assert unknown.white_dn is None
+
+
+def test_the_earth_shines_from_where_the_orbit_has_it_and_as_near() -> None:
+    """A quarter of a turn later it stands a quarter of a turn further, at the foot of the image."""
+    known = UncooperativeKnowledge.of(IMAGES_ON_BOARD)
+    sun = np.array([0.0, 0.0, 1.0])
+    told = replace(known, cam_from_lvlh=CAM_FROM_LVLH, sun_dir_in_inertial=sun, earth_shines=True)
+    out, along = np.array([7.0e6, 0.0, 0.0]), np.array([0.0, 7.5e3, 0.0])
+    for place, velocity in ((out, along), (np.roll(out, 1), -np.roll(along, 2))):
+        light = told.daylight(ChaserState(0.0, place, velocity), 2.5)
+        assert light is not None
+        np.testing.assert_allclose(light.earth_in_cam, [0.0, 1.0, 0.0], atol=1e-12)
+        assert light.orbit_radius_km == 7000.0
+    ahead = replace(told, earth_dir_in_inertial=np.array([0.0, 1.0, 0.0]))
+    light = ahead.daylight(ChaserState(0.0, out, along), 2.5)
+    assert light is not None
+    np.testing.assert_allclose(light.earth_in_cam, [0.0, 0.0, 1.0], atol=1e-12)

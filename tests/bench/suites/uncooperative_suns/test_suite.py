@@ -14,7 +14,7 @@ from rich.console import Console
 from bench.runners.chunks import Chunk
 from bench.suites.request import SuiteRequest
 from bench.suites.shared_units import do_share, shares_of
-from bench.suites.uncooperative_suns import suite
+from bench.suites.uncooperative_suns import frame_plan, suite
 from bench.suites.uncooperative_suns.plan import Plan, Sizes
 from bench.suites.uncooperative_suns.suite import plan_of, run_plan
 from bench.suites.units import WorkUnit, outcome_path
@@ -81,14 +81,14 @@ def test_a_job_renders_the_motions_of_its_own_starts(
         rendered.append([unit.name for unit in units])
         return 0
 
-    monkeypatch.setattr(suite, "do_units", note)
+    monkeypatch.setattr(frame_plan, "do_units", note)
     request = SuiteRequest("uncooperative-suns", tmp_path, 1, runs=20)
     every = shares_of(suite.units_of(request), 3)
     for share in every:
         suite.prepare(request, share, QUIET)
     flat = [name for names in rendered for name in names]
     assert sorted(flat) == sorted(unit.name for unit in suite.plan_of(request).every_frame)
-    assert len(flat) == 2 * 5  # five motions of four starts, of two targets, each in one job
+    assert len(flat) == 3 * 5  # five motions of four starts, of three targets, each in one job
     assert all(rendered)
     left = [unit for unit in every[0] if "/best/" in unit.name][:1]
     suite.prepare(request, left, QUIET)
@@ -111,5 +111,5 @@ def test_the_page_opens_offline(done: Path) -> None:
 
 
 def test_a_target_without_a_wireframe_is_refused() -> None:
-    with pytest.raises(ScenarioError, match="maxar1300"):
+    with pytest.raises(ScenarioError, match="got 'maxar1300'"):
         plan_of(SuiteRequest("uncooperative-suns", Path("out"), 1, parts=("maxar1300",)))

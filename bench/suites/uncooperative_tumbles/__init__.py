@@ -1,0 +1,1 @@
+"""The uncooperative target followed through tumbles that nobody chose."""
