@@ -2,10 +2,10 @@
 
 It reads the public half of a dataset and the estimates of run 0, and writes::
 
-    DIR/estimates/shape/unknown_target/surface.glb   what silhouettes carve, m
-                                       surface.ply   the same
-                                       cloud.ply     points, each with its sigma_m
-                                       shape.json    what both were made of, inertia included
+    DIR/estimates/shape/best/surface.glb   what silhouettes carve, m
+                             surface.ply   the same
+                             cloud.ply     points, each with its sigma_m
+                             shape.json    what both were made of, inertia included
 
 All are in the estimated target's own axes, from its centre of mass.
 """

@@ -34,10 +34,12 @@ def inertia_score(own: Floats, true: Floats) -> InertiaScore:
 
     Parameters
     ----------
-    own, true : (3, 3) arrays
-        True axes, of any scale.
+    own : (3, 3) array
+        True axes, as it is said: of trace 1.
+    true : (3, 3) array
+        Of any scale.
     """
-    own, true = own / np.trace(own), true / np.trace(true)
+    true = true / np.trace(true)
     (own_moments, own_axes), (moments, axes) = np.linalg.eigh(own), np.linalg.eigh(true)
     cosines = np.clip(np.abs(np.sum(own_axes * axes, axis=0)), 0.0, 1.0)
     return InertiaScore(
