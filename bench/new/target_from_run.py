@@ -21,7 +21,7 @@ from models.errors import ScenarioError
 from models.reading.json_file import read_json_table
 from models.spacecraft.own.simplify import simplified
 
-FACES = 1200
+FACES = 400
 TEXT = """\
 # A spacecraft that a run carved: {run}, images up to frame {frame}, {silhouettes} silhouettes.
 # Its axes are those of the run's estimates, its origin the centre of mass. What no outline
@@ -35,7 +35,7 @@ inertia_kg_m2 = {inertia}   # trace 1: of a free body only ratios matter
 material = "white_paint"
 
 [wireframe]
-sharp_deg = 25.0                    # faces that meet at more make an edge
+sharp_deg = 60.0                    # less sharp ones are what few faces make of round sides
 symmetries = false
 """
 
