@@ -35,7 +35,7 @@ inertia_kg_m2 = {inertia}   # trace 1: of a free body only ratios matter
 material = "white_paint"
 
 [wireframe]
-sharp_deg = 60.0                    # less sharp ones are what few faces make of round sides
+sharp_deg = 25.0                    # faces that meet at more make an edge
 symmetries = false
 """
 
