@@ -16,6 +16,8 @@ CHAIN = Chain(
     parts=(
         ScorePart("motion", lazily("bench.scoring.unknown.parts:motion")),
         ScorePart("shape", lazily("bench.scoring.unknown.parts:shape")),
+        ScorePart("surface", lazily("bench.scoring.unknown.surface_score:surface")),
+        ScorePart("inertia", lazily("bench.scoring.unknown.parts:inertia")),
         ScorePart("tracks", lazily("bench.scoring.unknown.parts:tracks")),
         ScorePart("asked", lazily("bench.scoring.unknown.parts:asked")),
     ),
@@ -30,4 +32,5 @@ CHAIN = Chain(
     signals=lazily("bench.pictures.wireframe_overlay:signals"),
     layers=lazily("bench.pictures.track_picture:layers"),
     scene=lazily("bench.report.unknown.scene:scene"),
+    trials=lazily("bench.estimating.unknown.shape_files:make_shapes"),
 )

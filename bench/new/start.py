@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 from models.errors import ScenarioError
@@ -12,7 +13,9 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 MOST_CHARACTERS = 100
 
 
-def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]:
+def write_start(
+    kind: str, name: str, folder: Path = Path(), run: Path | None = None
+) -> tuple[Path, str]:
     """Write what to start from; what is there already is never written over.
 
     Parameters
@@ -23,6 +26,8 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
         The file will be NAME.toml, the package the folder NAME.
     folder : Path
         Where.
+    run : Path, optional
+        Of a target: the run of an unknown target that carved it.
 
     Returns
     -------
@@ -34,9 +39,14 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
     Raises
     ------
     ScenarioError
-        If the name cannot be, or something of that name is there.
+        If the name cannot be, something of that name is there, or the run has no surface.
+    DatasetError
+        If the run cannot be read.
     """
-    from models.atomic_file import sweep_beside, write_text
+    from models.atomic_file import sweep_beside, write_bytes, write_text
+
+    if run is not None and kind != "target":
+        raise ScenarioError(f"expected --from with `rvbench new target`, got it with a {kind}")
 
     given, name = name, name if kind == "pipeline" else name.removesuffix(".toml")
     most = _most_characters(kind)
@@ -46,17 +56,31 @@ def write_start(kind: str, name: str, folder: Path = Path()) -> tuple[Path, str]
             f"{given!r:.120}; it is written into the working directory"
         )
     place = folder / (name if kind == "pipeline" else f"{name}.toml")
+    _refuse_what_is_there(place)
+    files: Mapping[str, str | bytes]
+    if run is None:
+        files, advice = _files(kind, name)
+    else:
+        from bench.new.target_from_run import target_from_run
+
+        _refuse_what_is_there(folder / f"{name}.glb")
+        files, advice = target_from_run(name, run), f"rvbench inspect {name}.toml"
+    for file, content in files.items():
+        made = place / file if kind == "pipeline" else folder / file
+        sweep_beside(made)
+        if isinstance(content, str):
+            write_text(made, content)
+        else:
+            write_bytes(made, content)
+    return place, advice
+
+
+def _refuse_what_is_there(place: Path) -> None:
     if os.path.lexists(place):
         raise ScenarioError(
             f"expected nothing at {place} yet, there is something; nothing was changed: "
             "choose another name"
         )
-    files, advice = _files(kind, name)
-    for file, text in files.items():
-        made = place / file if kind == "pipeline" else folder / file
-        sweep_beside(made)
-        write_text(made, text)
-    return place, advice
 
 
 def _most_characters(kind: str) -> int:

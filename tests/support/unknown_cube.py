@@ -28,6 +28,7 @@ from tests.support.textured_cube import CAMERA, HALF_M, drawn, place_of, texture
 ORBIT = KeplerOrbit.from_elements_deg(
     a_km=7000.0, e=0.0, i_deg=98.0, raan_deg=0.0, argument_of_perigee_deg=0.0, true_anomaly_deg=0.0
 )
+RATE_DEG_S = 0.8, 1.5, 0.6
 DISTANCE_M, RANGE_SIGMA_M = 8.0, 0.01
 SKY_DN = 200
 DETECTOR = Detector(bits=16, full_well_e=2e6, gain_e_dn=26.0)
@@ -38,13 +39,13 @@ def camera() -> Camera:
     return CAMERA
 
 
-def motion(duration_s: float) -> Tumble:
-    """Return the cube's tumble: 1.8 deg/s about an axis askew."""
+def motion(duration_s: float, rate_deg_s: tuple[float, float, float] = RATE_DEG_S) -> Tumble:
+    """Return the cube's tumble: 1.8 deg/s about an axis askew, unless told another."""
     return Tumble(
         ORBIT,
         np.array([0.1, DISTANCE_M, -0.1]),
         np.zeros(3),
-        np.deg2rad([0.8, 1.5, 0.6]),
+        np.deg2rad(rate_deg_s),
         np.diag([1.0, 1.1, 1.3]),
         duration_s,
     )
@@ -73,15 +74,20 @@ def range_truth(truth: ImageTruth) -> RangeTruth:
     return RangeTruth(met, float(np.linalg.norm(pose.translation)), 1.0)
 
 
-def frames(count: int, dark: tuple[int, int] = (0, 0)) -> list[tuple[Frame, ImageTruth]]:
+def frames(
+    count: int,
+    dark: tuple[int, int] = (0, 0),
+    rate_deg_s: tuple[float, float, float] = RATE_DEG_S,
+) -> list[tuple[Frame, ImageTruth]]:
     """Return frames at 1 Hz with their truth; those from ``dark[0]`` to before ``dark[1]`` black.
 
     Parameters
     ----------
     count : int
     dark : (int, int)
+    rate_deg_s : (float, float, float), deg/s
     """
-    tumble, faces, rng = motion(float(count)), textures(), np.random.default_rng(5)
+    tumble, faces, rng = motion(float(count), rate_deg_s), textures(), np.random.default_rng(5)
     found = []
     for index in range(count):
         truth = true_image(tumble, index, float(index))
@@ -101,9 +107,11 @@ def frames(count: int, dark: tuple[int, int] = (0, 0)) -> list[tuple[Frame, Imag
     return found
 
 
-def write_cube(folder: Path, count: int) -> list[ImageTruth]:
+def write_cube(
+    folder: Path, count: int, rate_deg_s: tuple[float, float, float] = RATE_DEG_S
+) -> list[ImageTruth]:
     """Write a dataset of the cube, both halves; return its truth."""
-    made, known = frames(count), onboard_texts(knowledge())
+    made, known = frames(count, rate_deg_s=rate_deg_s), onboard_texts(knowledge())
     entries = [FrameEntry(frame.index, frame.time_s, 4.0) for frame, _ in made]
     streams = (
         Stream(IMAGE, "image", "frames/{index:06d}.png"),

@@ -15,10 +15,12 @@ from bench.report.plot import svg_address
 from bench.report.table import length
 from bench.report.unknown import figures, tables
 from bench.report.unknown.plots import plots
+from bench.report.unknown.surface_figure import surface_figure
 from bench.scoring.target_shape import spread_points, target_shape
 from bench.scoring.unknown.cloud import Surface
 from bench.scoring.unknown.judged_unknown import judge_run, read_true_unknown
 from bench.scoring.unknown.parts import last_cloud
+from bench.scoring.unknown.surface_score import surface_in_true
 
 TRAIL_FRAMES = 12
 PICTURE_PX = 1000
@@ -73,18 +75,22 @@ def _errors(given: ReportInput) -> Section:
 def _shape(given: ReportInput) -> Section:
     dataset = given.records.dataset
     shape = target_shape(dataset)
-    judged = judge_run(read_run(dataset, 0, given.label), read_true_unknown(dataset))
+    truth = read_true_unknown(dataset)
+    judged = judge_run(read_run(dataset, 0, given.label), truth)
     cloud = last_cloud(judged)
     if shape is None or cloud is None or not len(cloud[0]):
         return Section("Shape", text="No point of it was found.")
     points, triangles = cloud[0], shape.vertices[shape.faces]
     away = Surface(triangles).distances(points)
     drawn = figures.cloud_figure(points, away, spread_points(triangles, SURFACE_POINTS))
-    return Section(
-        "Shape",
-        text="The points at the end over the mesh that was rendered, in grey, along its axes.",
-        figures=(Figure(svg_address(drawn), "The cloud over the mesh, three views"),),
-    )
+    told = [Figure(svg_address(drawn), "The cloud over the mesh, three views")]
+    own = surface_in_true(judged, truth, given.label)
+    text = "The points at the end over the mesh that was rendered, in grey, along its axes."
+    if own is not None:
+        both = surface_figure(own, triangles)
+        told.append(Figure(svg_address(both), "The carved surface and the true one, three views"))
+        text += " Below, what the silhouettes leave of space, and the true surface."
+    return Section("Shape", text=text, figures=tuple(told))
 
 
 def _tracks(given: ReportInput, hero: int) -> Section:

@@ -39,6 +39,26 @@ TERMS = (
     Term("sigma stated, median", "What the pipeline says of its points."),
     Term("seen surface within 5 cm", "Share of what images showed that has a point so near."),
     Term("seen surface within 50 cm", "The same: how evenly the points lie."),
+    Term(
+        "surface to surface, rms",
+        "Distance of the surface that silhouettes carve to the true one.",
+        "surface",
+    ),
+    Term("surface to surface, median", "Half of it is nearer."),
+    Term("of the seen surface within 5 cm of it", "Share of what images showed."),
+    Term(
+        "F-score",
+        "Harmonic mean of the shares of either surface that lie within one hundredth "
+        "of the target's size of the other; of the true one, what was seen.",
+    ),
+    Term("chamfer distance", "Mean of the mean distances either way."),
+    Term(
+        "principal axes",
+        "Angles between the axes of inertia and the true ones, from the "
+        "smallest moment to the largest.",
+        "inertia",
+    ),
+    Term("principal moments", "Their errors, both of trace 1."),
     Term("tracks", "In all; in brackets the median number of images of one.", "tracks"),
     Term("an image", "Mean number of tracks, and of those that are points of the shape."),
     *TIME_TERMS,
@@ -72,7 +92,31 @@ def _column(own: dict[str, Any]) -> list[str]:
         *(metres(name) for name in ("rms_m", "median_m", "inlier_rms_m", "sigma_m")),
         share(cloud.get("completeness_5cm")),
         share(cloud.get("completeness_50cm")),
+        *_surface_cells(own["parts"].get("surface") or {}),
+        *_inertia_cells(own["parts"].get("inertia") or {}),
         f"{tracks['tracks']} ({middle})",
         f"{number(tracks['live'])}, {number(tracks['used'])}",
         *time_cells(own["core"]),
+    ]
+
+
+def _surface_cells(surface: dict[str, Any]) -> list[str]:
+    def metres(name: str) -> str:
+        value = surface.get(name)
+        return length(None if value is None else 1e3 * value)
+
+    score = surface.get("f_score")
+    return [
+        metres("accuracy_rms_m"),
+        metres("accuracy_median_m"),
+        share(surface.get("completeness_5cm")),
+        NONE if score is None else f"{score:.2f} at {metres('within_m')}",
+        metres("chamfer_m"),
+    ]
+
+
+def _inertia_cells(inertia: dict[str, Any]) -> list[str]:
+    return [
+        ", ".join(number(each) for each in inertia[name]) + f" {unit}" if inertia else NONE
+        for name, unit in (("axes_deg", "deg"), ("moments_percent", "%"))
     ]

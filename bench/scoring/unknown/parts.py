@@ -14,6 +14,7 @@ from bench.scoring.asked import Check, checks, held_at_most
 from bench.scoring.core_score import Sizes, sizes
 from bench.scoring.limits import read_asked
 from bench.scoring.unknown.cloud import CloudScore, Surface, cloud_score, seen_surface
+from bench.scoring.unknown.inertia_score import InertiaScore, inertia_score
 from bench.scoring.unknown.judged_unknown import JudgedUnknown, TrueUnknown, second_half
 from models.arrays import Floats
 from models.estimate import Estimate
@@ -80,7 +81,7 @@ def motion(judged: Runs, truth: TrueUnknown, label: str) -> MotionScore:
         Of the pipeline.
     """
     frames = judged[0]
-    settled = second_half(frames)
+    settled, known = second_half(frames), inertia(judged, truth, label)
     first = next((each.estimate.frame for each in frames if each.estimate.pose is not None), None)
     return MotionScore(
         first,
@@ -90,7 +91,7 @@ def motion(judged: Runs, truth: TrueUnknown, label: str) -> MotionScore:
         sizes([each.rate_deg_s for each in settled]),
         sizes([each.axis_deg for each in settled]),
         asdict(settled[-1]) if settled else None,
-        _inertia_percent(frames, truth),
+        None if known is None else known.entries_percent,
     )
 
 
@@ -171,12 +172,18 @@ def last_cloud(frames: Sequence[JudgedUnknown]) -> tuple[Floats, Floats | None] 
     return None
 
 
-def _inertia_percent(frames: Sequence[JudgedUnknown], truth: TrueUnknown) -> float | None:
+def inertia(judged: Runs, truth: TrueUnknown, label: str) -> InertiaScore | None:
+    """Hold the inertia at the end of run 0 against the true one; None where either is missing.
+
+    Parameters
+    ----------
+    judged, truth, label : as for ``motion``
+    """
+    frames = judged[0]
     table = scenario_tables(truth.dataset.folder).get("tumble", {})
     said: Estimate | None = frames[-1].estimate if frames else None
     turn = frames[-1].true_from_own if frames else None
     if said is None or turn is None or INERTIA not in said.states or "inertia_kg_m2" not in table:
         return None
-    was = np.array(table["inertia_kg_m2"], dtype=np.float64)
     own = turn @ said.states[INERTIA].values["inertia_of_trace_1"] @ turn.T
-    return float(100.0 * np.abs(own - was / np.trace(was)).max())
+    return inertia_score(own, np.array(table["inertia_kg_m2"], dtype=np.float64))

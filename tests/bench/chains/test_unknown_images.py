@@ -25,12 +25,19 @@ def folder(tmp_path_factory):
 
 def test_the_score_tells_motion_shape_and_tracks(folder):
     own = json.loads((folder / "score.json").read_text())["pipelines"]["best"]
-    assert set(own["parts"]) == {"motion", "shape", "tracks", "asked"}
+    assert set(own["parts"]) == {"motion", "shape", "surface", "inertia", "tracks", "asked"}
+    assert own["parts"]["surface"] is None  # the target has not turned round yet
     assert own["parts"]["motion"]["last"]["range_share"] == pytest.approx(0.0, abs=0.05)
     assert own["parts"]["shape"]["points"] > 20
     assert own["parts"]["shape"]["rms_m"] is None  # only the name of this target is known
     assert own["parts"]["tracks"]["tracks"] > 60
     assert own["core"]["lost"]["count"] == own["parts"]["motion"]["first_frame"]
+
+
+def test_the_cloud_lies_beside_the_estimates_and_why_there_is_no_surface(folder):
+    home = folder / "estimates" / "shape" / "best"
+    assert {path.name for path in home.iterdir()} == {"cloud.ply", "shape.json"}
+    assert "102 deg apart" in json.loads((home / "shape.json").read_text())["no_surface"]
 
 
 def test_the_page_has_its_sections(folder):

@@ -31,7 +31,8 @@ def error_percent(
         true_from_own=TURN,
     )
     truth = SimpleNamespace(dataset=SimpleNamespace(folder=Path("nowhere")))
-    return parts._inertia_percent([frame], truth)  # type: ignore[list-item, arg-type]
+    found = parts.inertia([[frame]], truth, "best")  # type: ignore[list-item, arg-type]
+    return None if found is None else found.entries_percent
 
 
 @pytest.mark.parametrize("off", [0.03, -0.03, 0.0])
