@@ -146,7 +146,7 @@ class ChaserFixed:
             covariance = self._motion.with_stamp_error(
                 frame.time_s, solution.pose, covariance, sigma_s
             )
-        # The pose of the next frame errs alike by calibration and clock: what predicts it does without.
+        # The next pose errs alike by calibration and clock: what predicts it does without.
         self._motion.found(frame.time_s, solution.pose, solution.scatter)
         return Estimate(
             frame=frame.index,

@@ -133,8 +133,8 @@ class MotionPrediction:
     ) -> Floats:
         """Return a pose's covariance widened by what its stamp may be off; before ``found``.
 
-        The pose is that of another instant: it errs by the rate times the stamp's error. The rate is
-        the mean one since the last pose; where there is none, any that the target may have.
+        The pose is that of another instant: it errs by the rate times the stamp's error. The rate
+        is the mean since the last pose; where there is none, any that the target may have.
 
         Parameters
         ----------

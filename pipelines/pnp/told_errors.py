@@ -163,7 +163,7 @@ def stamp_sigma_s(sigmas: Mapping[str, float], time_s: float) -> float:
     Parameters
     ----------
     sigmas : mapping of str to float
-        As on board: ``frames.offset_s`` and ``frames.drift_ppm``, the latter for all time since zero.
+        As on board: ``frames.offset_s`` and ``frames.drift_ppm``, of all time since zero.
     time_s : float, s
 
     Returns
