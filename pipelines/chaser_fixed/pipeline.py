@@ -53,6 +53,7 @@ from pipelines.pnp.robust_pose import solve_match
 from pipelines.pnp.told_errors import (
     calibration_errors_px,
     place_covariance_px2,
+    stamp_sigma_s,
     with_common_errors,
 )
 
@@ -83,7 +84,7 @@ class ChaserFixed:
         See ``options_for``.
     sigmas : mapping of str to float, optional
         1-sigma of what is told otherwise than it is; the best variant weighs markers by how well
-        they were surveyed, and states a covariance that has the camera's calibration in it.
+        they were surveyed, and states a covariance that has calibration and clock in it.
     """
 
     def __init__(
@@ -139,12 +140,18 @@ class ChaserFixed:
             solution = self._refined(pair, frame.time_s, solution, predicted)
         if self._options.calibration == "stated":
             solution = self._by_own_noise(solution)
-        # The pose of the next frame errs alike by the calibration: what predicts it does without.
+        covariance = solution.covariance
+        if self._options.calibration != "unknown":
+            sigma_s = stamp_sigma_s(self._sigmas, frame.time_s)
+            covariance = self._motion.with_stamp_error(
+                frame.time_s, solution.pose, covariance, sigma_s
+            )
+        # The next pose errs alike by calibration and clock: what predicts it does without.
         self._motion.found(frame.time_s, solution.pose, solution.scatter)
         return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            pose=PoseEstimate(solution.pose, solution.covariance, solution.residual_rms_px),
+            pose=PoseEstimate(solution.pose, covariance, solution.residual_rms_px),
             detections=self._detections(sighting, solution),
         )
 

@@ -12,6 +12,7 @@ Source: Opromolla, Vela, Nocerino and Lombardi 2022, Remote Sensing 14(18), 4483
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from pipelines.pnp.match import Match
 from pipelines.pnp.motion_prediction import MotionPrediction
 from pipelines.pnp.predicted_pose import PredictedPose
 from pipelines.pnp.robust_pose import solve_match
+from pipelines.pnp.told_errors import stamp_sigma_s
 
 __all__ = ["VARIANTS", "EyeInHand", "EyeInHandOptions", "options_for"]
 
@@ -65,7 +67,8 @@ class EyeInHand:
         self._motion = MotionPrediction(knowledge, options)
         self._focal_px = 0.5 * (knowledge.camera.fx + knowledge.camera.fy)
         blur_px = options.psf_sigma_px if psf_sigma_px is None else psf_sigma_px
-        self._best = BestLook(knowledge, options, board, blur_px, sigmas or {})
+        self._sigmas = dict(sigmas or {})
+        self._best = BestLook(knowledge, options, board, blur_px, self._sigmas)
 
     def process(self, frame: Frame) -> Estimate:
         """Estimate the pose at one frame.
@@ -99,15 +102,21 @@ class EyeInHand:
             sighting = self._best.look(raw, predicted)
         else:
             sighting = self._look_as_printed(raw, predicted)
-        if sighting.pose is None:
+        pose = sighting.pose
+        if pose is None:
             self._motion.lost()
         else:
-            pose = sighting.pose
-            self._motion.found(frame.time_s, pose.cam_from_target, pose.stated_covariance)
+            seen, covariance = pose.cam_from_target, pose.stated_covariance
+            if self._options.fits_rims:
+                sigma_s = stamp_sigma_s(self._sigmas, frame.time_s)
+                wider = self._motion.with_stamp_error(frame.time_s, seen, covariance, sigma_s)
+                pose = replace(pose, covariance=wider)
+            # The next pose is stamped by the same clock: what predicts it does without.
+            self._motion.found(frame.time_s, seen, covariance)
         return Estimate(
             frame=frame.index,
             time_s=frame.time_s,
-            pose=sighting.pose,
+            pose=pose,
             reason=sighting.reason,
             detections=sighting.detections,
             mode=sighting.mode,

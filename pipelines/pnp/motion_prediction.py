@@ -128,6 +128,40 @@ class MotionPrediction:
         turn = Rotation.from_matrix(last.pose.rotation @ pose.rotation.T).as_rotvec()
         return pose.perturbed(share * turn, share * (last.pose.translation - pose.translation))
 
+    def with_stamp_error(
+        self, time_s: float, pose: RigidTransform, covariance: Floats, sigma_s: float
+    ) -> Floats:
+        """Return a pose's covariance widened by what its stamp may be off; before ``found``.
+
+        The pose is that of another instant: it errs by the rate times the stamp's error. The rate
+        is the mean since the last pose; where there is none, any that the target may have.
+
+        Parameters
+        ----------
+        time_s : float, s
+            As stamped.
+        pose : RigidTransform
+            ``cam_from_target``.
+        covariance : (6, 6) array, rad and m
+            Of the pose at the instant at which it was seen, rotation first.
+        sigma_s : float, s
+            1-sigma of the stamp; with 0 the covariance stays as it is.
+
+        Returns
+        -------
+        (6, 6) array, rad and m
+            What is added is of rank one where the rate is known.
+        """
+        if sigma_s == 0.0:
+            return covariance
+        if not self._known or time_s <= self._known[-1].time_s:
+            return covariance + self._velocity_covariance(sigma_s)
+        last = self._known[-1]
+        turn = Rotation.from_matrix(pose.rotation @ last.pose.rotation.T).as_rotvec()
+        moved = np.concatenate([turn, pose.translation - last.pose.translation])
+        off = sigma_s / (time_s - last.time_s) * moved
+        return np.asarray(covariance + np.outer(off, off))
+
     def _carried_on(self, ahead_s: float) -> PredictedPose:
         before, last = self._known
         baseline_s = last.time_s - before.time_s

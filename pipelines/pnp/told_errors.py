@@ -19,6 +19,7 @@ from pipelines.pnp.projection_jacobian import jacobian_by_turn
 CALIBRATION = ("fx", "fy", "cx", "cy", *DISTORTION_ORDER)
 """Keys of a camera that a calibration may have wrong."""
 PLACE = "markers.point_in_target_m"
+CLOCK_OFFSET, CLOCK_DRIFT = "frames.offset_s", "frames.drift_ppm"
 
 
 def common_covariance_px2(
@@ -154,3 +155,21 @@ def with_common_errors(
     common = common_covariance_px2(camera, points_in_target, pose, sigmas)
     total = own + gain @ common @ gain.T
     return np.asarray(0.5 * (total + total.T))
+
+
+def stamp_sigma_s(sigmas: Mapping[str, float], time_s: float) -> float:
+    """Return the 1-sigma of the time that the clock on board stamps on a frame, s.
+
+    Parameters
+    ----------
+    sigmas : mapping of str to float
+        As on board: ``frames.offset_s`` and ``frames.drift_ppm``, of all time since zero.
+    time_s : float, s
+
+    Returns
+    -------
+    float, s
+        0 where the clock is told to be exact.
+    """
+    drifted_s = 1e-6 * sigmas.get(CLOCK_DRIFT, 0.0) * time_s
+    return float(np.hypot(sigmas.get(CLOCK_OFFSET, 0.0), drifted_s))
