@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bisect
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from models.frame import Frame, Reading, TableReading
 from models.output_folder import check_place
 from models.pose import RigidTransform
 from models.spacecraft.grasp_markers import GRASPING_POINT_M
+from pipelines.two_cameras.over_time import TwoCamerasOverTime
 from pipelines.two_cameras.pipeline import CHASER_POSE, HAND_POSE, TwoCameras
 
 SAME_INSTANT_S, SAME_JOINT_DEG = 1e-6, 1e-6
@@ -31,6 +33,7 @@ MODES = {
     "rival": "by both, the second pose that fits three dots being right",
     "hand": "by the hand camera alone",
     "chaser": "by the chaser-fixed camera alone",
+    "carried": "by the frames before",
     "": "without a pose",
 }
 
@@ -56,6 +59,7 @@ def fuse(
     out: Path,
     label: str = "best",
     origin_m: tuple[float, float, float] | None = None,
+    over_time: bool = False,
 ) -> Fused:
     """Write the hand camera's poses as both cameras have them; its dataset is only read.
 
@@ -70,6 +74,8 @@ def fuse(
     origin_m : (3,) tuple, optional, m
         Origin of the hand camera's target frame in that of the other's, axes being parallel; of the
         house's targets it is known.
+    over_time : bool
+        Whether one state lasts from frame to frame, or each frame stands for itself.
 
     Raises
     ------
@@ -89,18 +95,11 @@ def fuse(
     between = RigidTransform(np.eye(3), np.asarray(place, dtype=np.float64))
     said = {each.frame: each for each in _estimates(one, label)}
     beside = sorted(_estimates(other, label), key=lambda each: each.time_s)
-    fusing = TwoCameras(arms[0], one.onboard.sigmas, between)
-    fused = []
-    for entry in one.entries:
-        readings: dict[str, Reading] = {ARM_JOINTS: joints[0][entry.index]}
-        if entry.index in said:
-            readings[HAND_POSE] = said[entry.index]
-        last = bisect.bisect_right(
-            beside, entry.time_s + SAME_INSTANT_S, key=lambda each: each.time_s
-        )
-        if last:
-            readings[CHASER_POSE] = beside[last - 1]
-        fused.append(fusing.process(Frame(entry.index, entry.time_s, readings)))
+    told = (arms[0], one.onboard.sigmas, between)
+    if over_time:
+        fused = _over_time(TwoCamerasOverTime(*told), one, joints[0], said, beside)
+    else:
+        fused = _frame_by_frame(TwoCameras(*told), one, joints[0], said, beside)
     check_place(out.parent)
     if (out.exists() or out.is_symlink()) and not is_ours(out):
         raise DatasetError(
@@ -111,6 +110,58 @@ def fuse(
     write_estimates(out, fused)
     counts = Counter(each.mode for each in fused)
     return Fused(out, {told: counts[mode] for mode, told in MODES.items() if counts[mode]})
+
+
+def _frame_by_frame(
+    fusing: TwoCameras,
+    hand: Dataset,
+    joints: Mapping[int, TableReading],
+    said: Mapping[int, Estimate],
+    beside: Sequence[Estimate],
+) -> list[Estimate]:
+    """Give each frame the chaser-fixed camera's last word, however old."""
+    fused = []
+    for entry in hand.entries:
+        readings = _readings(entry.index, joints, said)
+        last = _until(beside, entry.time_s + SAME_INSTANT_S)
+        if last:
+            readings[CHASER_POSE] = beside[last - 1]
+        fused.append(fusing.process(Frame(entry.index, entry.time_s, readings)))
+    return fused
+
+
+def _over_time(
+    fusing: TwoCamerasOverTime,
+    hand: Dataset,
+    joints: Mapping[int, TableReading],
+    said: Mapping[int, Estimate],
+    beside: Sequence[Estimate],
+) -> list[Estimate]:
+    """Give all that the chaser-fixed camera says, each at its time."""
+    fused, taken = [], 0
+    for entry in hand.entries:
+        readings = _readings(entry.index, joints, said)
+        before = _until(beside, entry.time_s - SAME_INSTANT_S)
+        for each in beside[taken:before]:
+            fusing.take_in(each)
+        taken = _until(beside, entry.time_s + SAME_INSTANT_S)
+        if taken > before:
+            readings[CHASER_POSE] = beside[taken - 1]
+        fused.append(fusing.process(Frame(entry.index, entry.time_s, readings)))
+    return fused
+
+
+def _readings(
+    frame: int, joints: Mapping[int, TableReading], said: Mapping[int, Estimate]
+) -> dict[str, Reading]:
+    readings: dict[str, Reading] = {ARM_JOINTS: joints[frame]}
+    if frame in said:
+        readings[HAND_POSE] = said[frame]
+    return readings
+
+
+def _until(said: Sequence[Estimate], time_s: float) -> int:
+    return bisect.bisect_right(said, time_s, key=lambda each: each.time_s)
 
 
 def arm_camera(arm: OnboardArm) -> str:

@@ -21,7 +21,9 @@ class Fuse:
 
     Both are datasets of one flight, estimated: the same motion and [arm], but for arm.camera. What
     joints and mount are told wrong by is in the covariance. Where one camera has no pose the other
-    speaks for it; where they contradict each other there is none, with a reason.
+    speaks for it; where they contradict each other there is none, with a reason. With --over-time
+    one state lasts from frame to frame: it learns the arm's errors while both cameras speak, and
+    bridges up to 30 s in which neither does.
     """
 
     hand: Positional[Annotated[Folder, arg(metavar="HAND")]]
@@ -32,6 +34,8 @@ class Fuse:
     """file of the estimates, of the hand camera's frames"""
     variant: Annotated[str, arg(metavar="NAME")] = "best"
     """whose estimates"""
+    over_time: bool = False
+    """carry one state with its rates from frame to frame, in place of one for each frame"""
     origin_m: Annotated[
         tuple[float, float, float] | None, arg(metavar="X Y Z", help_behavior_hint="")
     ] = None
@@ -41,7 +45,7 @@ class Fuse:
         """Fuse, and say by whom the frames have their poses."""
         from bench.fusing.fuse import fuse
 
-        fused = fuse(self.hand, self.chaser, self.out, self.variant, self.origin_m)
+        fused = fuse(self.hand, self.chaser, self.out, self.variant, self.origin_m, self.over_time)
         for told, count in fused.frames_by.items():
             print(f"{count} frames {told}")
         print(f"estimates: {fused.file}")

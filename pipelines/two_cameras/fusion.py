@@ -9,22 +9,19 @@ its whole sigma, and no frame teaches the next about it, for the cameras' own er
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from models.arm.onboard_arm import OnboardArm
 from models.arrays import Floats
 from models.estimate import PoseEstimate
 from models.pose import RigidTransform
+from pipelines.two_cameras.arm_chain import POSE, ArmChain, chained_jacobian, difference
 
-JOINTS, MOUNT_TURN, MOUNT_PLACE = "arm.joints_deg", "arm.mount_turn_deg", "arm.mount_place_m"
 TURNS = 2
-STEP = 1e-6  # rad, m and deg: of differences
 MOST_CHI2 = 30.0  # of six numbers that two cameras tell of one pose: one in 25,000 is above
-POSE = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,23 +70,23 @@ def both_poses(
     """
     if hand is None and chaser is None:
         raise ValueError("expected a pose of at least one camera, got none")
-    chain = _Chain(arm, np.asarray(joints_deg, dtype=np.float64), chaser_target_from_hand_target)
+    chain = ArmChain(arm, np.asarray(joints_deg, dtype=np.float64), chaser_target_from_hand_target)
     spread = chain.spread(sigmas)
     at = hand.cam_from_target if hand is not None else None
     if at is None:
         assert chaser is not None
-        at = chain.hand(chaser.cam_from_target)
+        at = chain.hand(chaser.cam_from_target, np.zeros(len(spread)))
     errors = np.zeros(len(spread))
     free = spread > 0.0
     kept = np.concatenate([np.ones(POSE, dtype=np.bool_), free])
     weights = np.divide(1.0, spread**2, out=np.zeros_like(spread), where=free)
     information, chi2 = np.zeros((0, 0)), 0.0
-    by_state = chain.jacobian(at, errors)
+    by_state = chained_jacobian(chain.chaser, at, errors)
     for turn in range(TURNS + 1):
         information = np.diag(np.concatenate([np.zeros(POSE), weights]))
         pull = np.concatenate([np.zeros(POSE), -weights * errors])
         chi2 = float(weights @ errors**2)
-        by_state = chain.jacobian(at, errors)
+        by_state = chained_jacobian(chain.chaser, at, errors)
         own = np.hstack([np.eye(POSE), np.zeros((POSE, len(spread)))])
         for said, rows, now in (
             (hand, own, at),
@@ -117,73 +114,5 @@ def both_poses(
     )
 
 
-def difference(pose: RigidTransform, other: RigidTransform) -> Floats:
-    """Return how far a pose lies from another, (6,), rad and m, as ``perturbed`` takes it.
-
-    Parameters
-    ----------
-    pose, other : RigidTransform
-    """
-    turn = Rotation.from_matrix(pose.rotation @ other.rotation.T).as_rotvec()
-    return np.concatenate([turn, pose.translation - other.translation])
-
-
 def _symmetric(matrix: Floats) -> Floats:
     return np.asarray(0.5 * (matrix + matrix.T))
-
-
-@dataclass(frozen=True, eq=False)
-class _Chain:
-    """The arm from one camera to the other, as told but for errors that are tried."""
-
-    arm: OnboardArm
-    joints_deg: Floats
-    chaser_target_from_hand_target: RigidTransform
-
-    def spread(self, sigmas: Mapping[str, float]) -> Floats:
-        """Return the 1-sigma of each error: joints, deg; mount, rad and m."""
-        turn_rad = np.deg2rad(sigmas.get(MOUNT_TURN, 0.0))
-        return np.concatenate(
-            [
-                np.full(len(self.joints_deg), sigmas.get(JOINTS, 0.0)),
-                np.full(3, turn_rad),
-                np.full(3, sigmas.get(MOUNT_PLACE, 0.0)),
-            ]
-        )
-
-    def hand_from_chaser(self, errors: Floats) -> RigidTransform:
-        count = len(self.joints_deg)
-        turn, place = errors[count : count + 3], errors[count + 3 :]
-        mount = self.arm.hand_from_tool.perturbed(-turn, -place)
-        return replace(self.arm, hand_from_tool=mount).hand_from_chaser(
-            self.joints_deg - errors[:count]
-        )
-
-    def chaser(self, hand_from_target: RigidTransform, errors: Floats) -> RigidTransform:
-        """Return the chaser-fixed camera's pose, in its own target frame."""
-        hand_from_other = hand_from_target @ self.chaser_target_from_hand_target.inverse()
-        return self.hand_from_chaser(errors).inverse() @ hand_from_other
-
-    def hand(self, chaser_from_target: RigidTransform) -> RigidTransform:
-        """Return the hand camera's pose, the arm being as told."""
-        errors = np.zeros(len(self.joints_deg) + 6)
-        return (
-            self.hand_from_chaser(errors) @ chaser_from_target @ self.chaser_target_from_hand_target
-        )
-
-    def jacobian(self, hand_from_target: RigidTransform, errors: Floats) -> Floats:
-        """Return how the chaser-fixed camera's pose follows the state, (6, 6 + n)."""
-        columns = []
-        for number in range(POSE + len(errors)):
-            ahead, behind = (
-                self._moved(hand_from_target, errors, number, sign * STEP) for sign in (1.0, -1.0)
-            )
-            columns.append(difference(ahead, behind) / (2.0 * STEP))
-        return np.stack(columns, axis=1)
-
-    def _moved(
-        self, hand_from_target: RigidTransform, errors: Floats, number: int, step: float
-    ) -> RigidTransform:
-        away = np.zeros(POSE + len(errors))
-        away[number] = step
-        return self.chaser(hand_from_target.perturbed(away[:3], away[3:POSE]), errors + away[POSE:])

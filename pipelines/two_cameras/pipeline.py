@@ -56,7 +56,7 @@ class TwoCameras:
         frame : Frame
             With estimates as ``hand_pose`` and ``chaser_pose``, where there are any.
         """
-        hand, chaser = (_said(frame, name) for name in (HAND_POSE, CHASER_POSE))
+        hand, chaser = (said_in(frame, name) for name in (HAND_POSE, CHASER_POSE))
         joints = frame.readings[ARM_JOINTS]
         assert isinstance(joints, TableReading)
         joints_deg = joints.rows[-1]
@@ -68,8 +68,8 @@ class TwoCameras:
             reason = "; ".join(told) or "no camera has said anything yet"
             return Estimate(frame.index, frame.time_s, reason=reason, detections=seen)
         if own is not None and other is not None:
-            rivals = [own] if hand is None else [own, *_rivals(hand)]
-            found = [self._both(joints_deg, each, other) for each in rivals]
+            fitting = [own] if hand is None else [own, *rivals(hand)]
+            found = [self._both(joints_deg, each, other) for each in fitting]
             place = next((n for n, each in enumerate(found) if each.chi2 < MOST_CHI2), None)
             if place is None:
                 reason = (
@@ -88,22 +88,37 @@ class TwoCameras:
 
     @staticmethod
     def _stated(frame: Frame, found: BothPoses, mode: str, hand: Estimate | None) -> Estimate:
-        at = found.chaser.cam_from_target
-        state = NamedState(
-            {"R_cam_from_target": at.rotation, "t_cam_from_target_m": at.translation},
-            found.chaser.covariance,
-        )
         return Estimate(
             frame.index,
             frame.time_s,
             pose=found.hand,
             detections=None if hand is None else hand.detections,
             mode=mode,
-            states={CHASER_FIXED: state},
+            states=chaser_state(found.chaser),
         )
 
 
-def _said(frame: Frame, name: str) -> Estimate | None:
+def chaser_state(pose: PoseEstimate) -> dict[str, NamedState]:
+    """Return the chaser-fixed camera's pose as the state that stands beside the hand camera's.
+
+    Parameters
+    ----------
+    pose : PoseEstimate
+    """
+    at = pose.cam_from_target
+    values = {"R_cam_from_target": at.rotation, "t_cam_from_target_m": at.translation}
+    return {CHASER_FIXED: NamedState(values, pose.covariance)}
+
+
+def said_in(frame: Frame, name: str) -> Estimate | None:
+    """Return what a camera says in a frame, if anything.
+
+    Parameters
+    ----------
+    frame : Frame
+    name : str
+        ``HAND_POSE`` or ``CHASER_POSE``.
+    """
     reading = frame.readings.get(name)
     return reading if isinstance(reading, Estimate) else None
 
@@ -118,8 +133,14 @@ def _aged(said: Estimate, time_s: float) -> PoseEstimate | None:
     return replace(said.pose, covariance=grown)
 
 
-def _rivals(said: Estimate) -> list[PoseEstimate]:
-    """Return the second pose that fits, with the covariance of the first."""
+def rivals(said: Estimate) -> list[PoseEstimate]:
+    """Return the second pose that fits, with the covariance of the first.
+
+    Parameters
+    ----------
+    said : Estimate
+        Of the hand camera.
+    """
     state = said.states.get(RIVAL)
     if state is None or said.pose is None:
         return []

@@ -23,7 +23,7 @@ from models.frame import TableReading
 from models.onboard import OnboardKnowledge
 from models.pose import RigidTransform
 from models.spacecraft.grasp_markers import GRASPING_POINT_M
-from pipelines.two_cameras.fusion import difference
+from pipelines.two_cameras.arm_chain import difference
 from tests.support.half_written import left_half_written
 
 ARM = house_arm()
@@ -106,6 +106,22 @@ def test_the_frames_of_the_hand_get_poses_by_whoever_speaks(flight: Flight) -> N
     half = left_half_written(out)
     fuse(hand, chaser, out)  # what it wrote it may write again
     assert not half.exists()
+
+
+def test_over_time_one_state_bridges_what_both_miss(flight: Flight) -> None:
+    hand = flight.add("hand", "maxar1300_grasp", True, posed(HAND_FROM_TARGET, blind=(1, 2)))
+    chaser = flight.add("chaser", "maxar1300", False, posed(CHASER_FROM_TARGET, blind=(2,)))
+    out = flight.folder / "fused.jsonl"
+    assert main(["fuse", str(hand), str(chaser), "--over-time", "--out", str(out)]) == 0
+    said = read_estimates(out)
+    assert [each.mode for each in said] == ["both", "chaser", "carried"]
+    for each in said:
+        assert each.pose is not None
+        away = difference(each.pose.cam_from_target, HAND_FROM_TARGET)
+        np.testing.assert_allclose(away, 0.0, atol=1e-7)
+        assert "chaser_fixed_rates" in each.states
+    sure = [np.trace(each.pose.stated_covariance) for each in said if each.pose is not None]
+    assert sure == sorted(sure)
 
 
 def test_what_are_no_two_cameras_of_one_flight_is_refused(flight: Flight) -> None:

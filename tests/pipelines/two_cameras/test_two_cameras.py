@@ -14,7 +14,7 @@ from models.arrays import Floats
 from models.estimate import Estimate, NamedState, PoseEstimate
 from models.frame import Frame, Reading, TableReading
 from models.pose import RigidTransform
-from pipelines.two_cameras.fusion import difference
+from pipelines.two_cameras.arm_chain import difference
 from pipelines.two_cameras.pipeline import CHASER_FIXED, CHASER_POSE, HAND_POSE, TwoCameras
 
 ARM = house_arm()
