@@ -67,6 +67,13 @@ def drawn(task: MotionTask) -> DrawnMotion:
     return draw_motion(task, camera, wireframe.radius_m)
 
 
+def studio_of(world: World) -> Studio:
+    """Return where a world's frames are made, by one thread; their light is not kept."""
+    start_renderer(choose_variant("auto"), 1)
+    store = RadianceStore(default_store(), None)
+    return Studio(world, store, LightKeys(world, "jit"), None, kept=LightKeeping("none"))
+
+
 def render_motion(task: MotionTask) -> Outcome:
     """Render a motion under all of its Suns.
 
@@ -82,10 +89,8 @@ def render_motion(task: MotionTask) -> Outcome:
         ``bracket`` (k, n, b, height, width) uint16, further exposures of the same light.
     """
     motion = drawn(task)
-    start_renderer(choose_variant("auto"), 1)
     world = world_of(_scenario(task, _rows(motion)))
-    store = RadianceStore(default_store(), None)
-    studio = Studio(world, store, LightKeys(world, "jit"), None, kept=LightKeeping("none"))
+    studio = studio_of(world)
     count, size = len(motion.times_s), (world.camera.height, world.camera.width)
     images = np.zeros((SUNS, count, *size), dtype=np.uint16)
     exposure_ms, lit = np.zeros((SUNS, count)), np.zeros((SUNS, count))

@@ -11,7 +11,7 @@ import numpy as np
 
 from bench.scoring.tumble.navigation_errors import navigation_error, symmetric_attitude_deg
 from bench.suites.uncooperative_suns.cases import MotionTask
-from bench.suites.uncooperative_suns.frames import lit_share, metered_image
+from bench.suites.uncooperative_suns.frames import lit_share, metered_image, studio_of
 from bench.suites.uncooperative_tumbles.cases import drawn_scenario
 from bench.suites.units import Outcome, WorkUnit, done_outcome
 from models.arrays import Image
@@ -22,11 +22,6 @@ from models.onboard import needed
 from pipelines.acquisition.under_sun import make_views
 from pipelines.acquisition.under_sun_options import UnderSunOptions
 from pipelines.registry import registered_pipeline
-from renders.batches.studio import Studio, start_renderer
-from renders.store.kept_light import LightKeeping
-from renders.store.light_keys import LightKeys
-from renders.store.radiance_store import RadianceStore, default_store
-from renders.variant.choice import choose_variant
 from renders.world.build import world_of
 from renders.world.world import World
 
@@ -104,9 +99,7 @@ def render_tumble(task: MotionTask) -> Outcome:
         silhouette that is above three sigmas.
     """
     world = _world(task)
-    start_renderer(choose_variant("auto"), 1)
-    store = RadianceStore(default_store(), None)
-    studio = Studio(world, store, LightKeys(world, "jit"), None, kept=LightKeeping("none"))
+    studio = studio_of(world)
     images, exposures, lit = list[Image](), list[float](), list[float]()
     for exposure in world.exposures:
         pose = world.trajectory.cam_from_target(exposure.time_s)
