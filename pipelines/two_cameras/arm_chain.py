@@ -110,7 +110,7 @@ def chained_jacobian(
     Parameters
     ----------
     chained : callable
-        ``ArmChain.hand`` or ``ArmChain.chaser``.
+        ``ArmChain.hand`` or ``ArmChain.chaser``, of a pose and of (n + 6,) errors.
     pose : RigidTransform
     errors : (n + 6,) array
     """

@@ -88,21 +88,21 @@ class FlightState:
 
     @classmethod
     def unknown(
-        cls, time_s: float, near: RigidTransform, arm_sigmas: Floats, options: FlightOptions
+        cls, time_s: float, guess: RigidTransform, arm_sigmas: Floats, options: FlightOptions
     ) -> FlightState:
         """Return a state that knows nothing but where to linearise.
 
         Parameters
         ----------
         time_s : float, s
-        near : RigidTransform
+        guess : RigidTransform
         arm_sigmas : (n,) array
             As ``ArmChain.spread`` has them.
         options : FlightOptions
         """
         rates = [*3 * [np.deg2rad(options.velocity_deg_s)], *3 * [options.velocity_m_s]]
         sigmas = np.concatenate([UNKNOWN, rates, np.ones(2 * POSE), arm_sigmas])
-        return cls(time_s, near, np.zeros(len(sigmas)), np.diag(sigmas**2), options)
+        return cls(time_s, guess, np.zeros(len(sigmas)), np.diag(sigmas**2), options)
 
     @property
     def arm_errors(self) -> Floats:
