@@ -77,6 +77,8 @@ class FlightExpectations:
         unless this is known, a unit vector towards its centre.
     white_dn_ms : float or None, DN/ms
         What a white matt surface that the Sun meets squarely gives the camera, as calibrated.
+    earth_hides_sun : bool
+        Whether the Sun goes out where the chaser's orbit has the Earth before it.
     """
 
     cam_from_lvlh: RigidTransform
@@ -90,6 +92,7 @@ class FlightExpectations:
     earth_shines: bool = False
     earth_dir_in_inertial: Floats | None = None
     white_dn_ms: float | None = None
+    earth_hides_sun: bool = False
 
 
 @dataclass(frozen=True, eq=False)

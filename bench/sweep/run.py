@@ -41,7 +41,7 @@ from renders.batches.sweep_batches import scenario_at
 from renders.store.radiance_store import RadianceStore, default_store
 from renders.variant.choice import choose_variant
 from renders.world.build import world_of
-from renders.world.checks import is_eclipsed
+from renders.world.checks import is_dark
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,12 +190,12 @@ def _swept(begun: BegunSweep, console: Console) -> SweepResult:
 
 
 def _without_eclipsed(plan: SweepPlan, console: Console) -> SweepPlan:
-    """Leave out the Suns that the Earth hides at one of the poses."""
+    """Leave out the Suns that the Earth hides whole at one of the poses; one in part is dim."""
     shining = tuple(
         sun
         for sun in plan.suns
         if not any(
-            is_eclipsed(world_of(scenario_at(plan.scenario, pose.time_s, sun.text)))
+            is_dark(world_of(scenario_at(plan.scenario, pose.time_s, sun.text)))
             for pose in plan.poses
         )
     )

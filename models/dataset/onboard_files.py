@@ -152,6 +152,8 @@ def expectations_to_toml(expected: FlightExpectations) -> str:
         table["earth_dir_in_inertial"] = expected.earth_dir_in_inertial.tolist()
     if expected.white_dn_ms is not None:
         table["white_dn_ms"] = float(expected.white_dn_ms)
+    if expected.earth_hides_sun:
+        table["earth_hides_sun"] = True
     return tomli_w.dumps(table)
 
 
@@ -169,7 +171,7 @@ def read_expectations(path: Path) -> FlightExpectations:
         ("R_cam_from_lvlh", "t_cam_from_lvlh_m", *sigmas),
         (
             *("range_m", "inertia_kg_m2", "sun_dir_in_inertial", "sun_sigma_deg"),
-            *("earth_shines", "earth_dir_in_inertial", "white_dn_ms"),
+            *("earth_shines", "earth_dir_in_inertial", "white_dn_ms", "earth_hides_sun"),
         ),
     )
     span = fields.vector("range_m", 2, 0.0, ORBIT_M[1]) if "range_m" in fields else None
@@ -194,6 +196,7 @@ def read_expectations(path: Path) -> FlightExpectations:
         white_dn_ms=(
             fields.number("white_dn_ms", *WHITE_DN_MS) if "white_dn_ms" in fields else None
         ),
+        earth_hides_sun=fields.flag("earth_hides_sun") if "earth_hides_sun" in fields else False,
     )
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.arrays import Floats
+from models.lights.eclipse import share_past_earth
 from models.sky.earth_rotation import EARTH_RATE_RAD_S
 from models.sky.sun_ephemeris import ASTRONOMICAL_UNIT_M
 
@@ -62,23 +63,9 @@ def sunlit_share(position: Floats, sun: Floats) -> float:
     position, sun : (3,) array, m
     """
     to_sun = sun - position
-    distance = float(np.linalg.norm(to_sun))
-    radius = float(np.linalg.norm(position))
-    sun_rad = np.arcsin(SUN_RADIUS_M / distance)
-    earth_rad = np.arcsin(min(1.0, EARTH_RADIUS_M / radius))
-    apart = np.arccos(np.clip(-(position @ to_sun) / (radius * distance), -1.0, 1.0))
-    if apart >= sun_rad + earth_rad:
-        return 1.0
-    if apart <= earth_rad - sun_rad:
-        return 0.0
-    along = (apart**2 + sun_rad**2 - earth_rad**2) / (2.0 * apart)
-    across = np.sqrt(max(0.0, sun_rad**2 - along**2))
-    hidden = (
-        sun_rad**2 * np.arccos(np.clip(along / sun_rad, -1.0, 1.0))
-        + earth_rad**2 * np.arccos(np.clip((apart - along) / earth_rad, -1.0, 1.0))
-        - apart * across
-    )
-    return float(1.0 - hidden / (np.pi * sun_rad**2))
+    distance, radius = float(np.linalg.norm(to_sun)), float(np.linalg.norm(position))
+    sun_rad = float(np.arcsin(SUN_RADIUS_M / distance))
+    return share_past_earth(to_sun / distance, -position / radius, 1e-3 * radius, sun_rad)
 
 
 def solar_pressure(position: Floats, sun: Floats, area_over_mass: float) -> Floats:

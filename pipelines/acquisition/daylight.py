@@ -46,12 +46,15 @@ class Daylight:
         tells little.
     orbit_radius_km : float, km
         From the Earth's centre to the target.
+    sunlit_share : float
+        Of the Sun's disc, that the Earth leaves free.
     """
 
     sun_in_cam: Floats
     earth_in_cam: Floats | None = None
     white_dn: float | None = None
     orbit_radius_km: float = GEO_RADIUS_KM
+    sunlit_share: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,14 +120,14 @@ def predicted_light(
     finish = finishes[cloud.face[point], (side < 0.0).astype(np.int64)]
     sun = light.sun_in_cam
     cosine = _cosine(cloud, pose, sun, point) * side
-    direct = _leaves(finish, normals, ways, sun, cosine, 0.0)
+    direct = light.sunlit_share * _leaves(finish, normals, ways, sun, cosine, 0.0)
     if light.earth_in_cam is not None:
         earth = light.earth_in_cam
         by_earth = _cosine(cloud, pose, earth, point) * side
         share = facing_share(float(np.clip(-earth @ sun, -1.0, 1.0)), light.orbit_radius_km)
         widened = EARTH_WIDENS * (EARTH_RADIUS_KM / light.orbit_radius_km) ** 2
         direct += share * _leaves(finish, normals, ways, earth, by_earth, widened)
-    lit = float(np.maximum(cosine, 0.0).mean()) if len(point) else 0.0
+    lit = light.sunlit_share * float(np.maximum(cosine, 0.0).mean()) if len(point) else 0.0
     grids = np.zeros((3, height * width), dtype=np.float32)
     grids[0, there], grids[1, there] = direct, lit * (finish[:, 0] + finish[:, 1])
     grids[2, there] = 1.0

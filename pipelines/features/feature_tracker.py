@@ -131,6 +131,8 @@ class FeatureTracker:
     def track(self, image: Image) -> FeaturesSeen:
         """Take in the next image, (height, width) uint16 DN; return what is seen in it."""
         region = find_target(image, self._detector)
+        if not region:  # noise has corners, too, and the last image's would be followed into it
+            return self._dark(region)
         grey = fine_detail(region)
         self._follow(grey)
         if self._frame % self._options.check_every == 0:
@@ -140,6 +142,13 @@ class FeatureTracker:
         self._frame += 1
         live = self._live
         return FeaturesSeen(live.names.copy(), live.points.copy(), np.sqrt(live.variance), region)
+
+    def _dark(self, region: TargetRegion) -> FeaturesSeen:
+        """Take in an image in which nothing shines: all tracks are lost, to be known again."""
+        self._lose(np.zeros(len(self._live.names), dtype=bool))
+        self._before = None
+        self._frame += 1
+        return FeaturesSeen(np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros(0), region)
 
     def _follow(self, grey: Labels) -> None:
         live = self._live

@@ -45,6 +45,7 @@ SECOND_OPINION_EVERY = 3
 CLEARLY_BETTER = 0.04
 FAR_SPREAD_PX = 12.0  # a prediction that may miss by more is good for little
 WITHIN = 27.9  # chi2 of six: what a prediction allows for, but once in ten thousand
+NO_LIGHT = "no light: the target is in the Earth's shadow"
 POINTS_AS_PRINTED = 25  # the most distinct corners; Algorithm 1 takes no clutter
 
 
@@ -97,6 +98,8 @@ class ImagePoseFinder:
         Where it is known where the Sun stands, images that follow each other without a pose are
         one start: what one leaves open, the next may decide.
         """
+        if self._is_dark(frame):
+            return self._none(frame, NO_LIGHT)
         if self._by_points is not None:
             return self._by_points.acquire(self._points(frame))
         daylight = self._knowledge.daylight(frame.chaser, frame.exposure_ms, frame.mount)
@@ -119,6 +122,8 @@ class ImagePoseFinder:
         covariance : (6, 6) array, rad and m
             Of the prediction: rotation first, as in ``RigidTransform.perturbed``.
         """
+        if self._is_dark(frame):
+            return self._none(frame, NO_LIGHT)
         if self._by_points is not None:
             return self._by_points.track(self._points(frame), predicted, covariance)
         self._anew = False
@@ -164,6 +169,12 @@ class ImagePoseFinder:
         if self._by_points is not None:
             return self._by_points.matched_share(self._points(frame), estimate)
         return self._share
+
+    def _is_dark(self, frame: ImageFrame) -> bool:
+        """Tell whether the Sun is hidden, as the orbit has it, and no lamp shows the target."""
+        if self._knowledge.sunlit_share(frame.chaser) > 0.0:
+            return False
+        return not self._edge_image(frame).target
 
     def _acquired_under(self, daylight: Daylight, frame: ImageFrame) -> Estimate:
         start = self._start

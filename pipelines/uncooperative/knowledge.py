@@ -12,6 +12,7 @@ from models.arrays import Floats, Image
 from models.camera import Camera
 from models.errors import DatasetError
 from models.frame import BRACKET, CHASER_ORBIT, IMAGE, POINTS, Frame, ImageReading, TableReading
+from models.lights.eclipse import share_past_earth
 from models.motion.perturbed_orbit import lvlh_axes
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
 from models.onboard import OnboardKnowledge, needed
@@ -196,6 +197,8 @@ class UncooperativeKnowledge:
         unless this is known, a unit vector towards its centre.
     white_dn_ms : float, optional, DN/ms
         What a white matt surface that the Sun meets squarely gives the camera.
+    earth_hides_sun : bool
+        Whether the Sun goes out where the chaser's orbit has the Earth before it.
     """
 
     camera: Camera
@@ -212,11 +215,27 @@ class UncooperativeKnowledge:
     earth_shines: bool = False
     earth_dir_in_inertial: Floats | None = None
     white_dn_ms: float | None = None
+    earth_hides_sun: bool = False
+
+    def sunlit_share(self, chaser: ChaserState) -> float:
+        """Return how much of the Sun's disc the Earth leaves free, by the orbit; 1 if not known.
+
+        Parameters
+        ----------
+        chaser : ChaserState
+        """
+        if self.sun_dir_in_inertial is None or not self.earth_hides_sun:
+            return 1.0
+        radius_m = float(np.linalg.norm(chaser.position_in_inertial))
+        down = -chaser.position_in_inertial / radius_m
+        return share_past_earth(self.sun_dir_in_inertial, down, 1e-3 * radius_m)
 
     def daylight(
         self, chaser: ChaserState, exposure_ms: float | None, mount: CameraMount | None = None
     ) -> Daylight | None:
         """Return what lights the target in an image, where the Sun's direction is on board.
+
+        None in the umbra, too: what shines there is none of the Sun's.
 
         Parameters
         ----------
@@ -226,7 +245,8 @@ class UncooperativeKnowledge:
         mount : CameraMount, optional
             By the attitude that is navigated; without it, as known before flight.
         """
-        if self.sun_dir_in_inertial is None:
+        share = self.sunlit_share(chaser)
+        if self.sun_dir_in_inertial is None or share <= 0.0:
             return None
         axes = lvlh_axes(chaser.position_in_inertial, chaser.velocity_in_inertial)
         mounted = self.cam_from_lvlh if mount is None else mount.cam_from_lvlh
@@ -243,6 +263,7 @@ class UncooperativeKnowledge:
             None if earth is None else cam_from_inertial @ earth,
             white_dn,
             1e-3 * radius_m,
+            share,
         )
 
     @classmethod
@@ -270,4 +291,5 @@ class UncooperativeKnowledge:
             earth_shines=expected.earth_shines,
             earth_dir_in_inertial=expected.earth_dir_in_inertial,
             white_dn_ms=expected.white_dn_ms,
+            earth_hides_sun=expected.earth_hides_sun,
         )

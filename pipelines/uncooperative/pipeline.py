@@ -23,7 +23,7 @@ from pipelines.detection.exposure_fusion import fused_exposures
 from pipelines.filters.covariance_fault import covariance_fault
 from pipelines.filters.lasting_errors import WHITE
 from pipelines.filters.relative_navigation import FilteredState, RelativeNavigation
-from pipelines.uncooperative.image_pose_finder import ImagePoseFinder
+from pipelines.uncooperative.image_pose_finder import NO_LIGHT, ImagePoseFinder
 from pipelines.uncooperative.knowledge import (
     NAME,
     ImageFrame,
@@ -152,6 +152,8 @@ class Uncooperative:
             if finder.found_anew:
                 return self._started(found, frame)
             found = _refused(found, f"the filters refuse the pose: {predicted.reason}")
+        if found.reason == NO_LIGHT:  # which speaks neither for the state nor against it
+            return _said(found, predicted, "predicted")
         self._lost_frames += 1
         refused = predicted.refused_in_row >= self._options.refused_frames
         if refused or self._lost_frames >= self._options.lost_frames:

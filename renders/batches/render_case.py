@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Set
 
 from rich.console import Console
 
 from models.at_work import at_work
 from models.dataset.description import DatasetInfo
+from models.lights.eclipse import PENUMBRA, UMBRA, lighting
 from models.plain_console import plain_console
 from renders.batches.case_rendering import CaseRendering
 from renders.batches.render_progress import render_progress
 from renders.scenario.scenario import RenderRequest, Scenario
 from renders.world.sun_paths import told
+from renders.world.world import World
 
 TYPED = ("fixed", "auto")  # modes of exposure that begin with what is typed
 
@@ -64,6 +67,23 @@ def exposure_note(scenario: Scenario) -> str:
     )
 
 
+def shadow_note(world: World) -> str:
+    """Tell how many images are taken in the Earth's shadow; nothing where none is.
+
+    Parameters
+    ----------
+    world : World
+    """
+    shares = {each.frame: world.sunlit_share(each.time_s) for each in world.exposures}
+    met = Counter(lighting(share) for share in shares.values())
+    if not met[UMBRA] and not met[PENUMBRA]:
+        return ""
+    return (
+        f"the Earth's shadow: {met[UMBRA]} of {len(shares)} images are taken in the umbra, without "
+        f"sunlight, {met[PENUMBRA]} in the penumbra"
+    )
+
+
 def _render(
     case: CaseRendering, request: RenderRequest, console: Console | None, frames: Set[int] | None
 ) -> None:
@@ -79,8 +99,9 @@ def _render(
         soft_wrap=True,
         markup=False,
     )
-    if note := exposure_note(world.scenario):
-        console.print(note, soft_wrap=True, markup=False)
+    for note in (exposure_note(world.scenario), shadow_note(world)):
+        if note:
+            console.print(note, soft_wrap=True, markup=False)
     left = [each for each in case.left if frames is None or each.frame in frames]
     wanted = frozenset(left)
     with render_progress(console) as track, case.claimed():

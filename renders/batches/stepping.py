@@ -208,7 +208,8 @@ class Simulation:
             at the middle of each exposure (and, where stars shine or ``[shutter]`` is open, within
             and beside it). Unless given, that of the scenario's own motion.
         sun_dir_in_target : (3,) array, optional
-            Towards the Sun, any length; unless given, as the scenario says.
+            Towards the Sun, any length; unless given, as the scenario says. One that is given
+            shines, wherever the Earth stands.
         exposure_ms : float, optional, ms
             Unless given, as the scenario plans, types or meters it.
 
@@ -263,7 +264,8 @@ class Simulation:
         sky = self.world.sky
         if sun_dir_in_target is not None:
             x, y, z = unit_direction(sun_dir_in_target).tolist()
-            sky = replace(sky, turning=WithSunAt(sky.turning, (x, y, z)))
+            turned = WithSunAt(sky.turning, (x, y, z))
+            sky = replace(sky, turning=turned, eclipses=False)
         return replace(self.world, trajectory=motion, sky=sky)
 
     def _exposure_ms(self, time_s: float) -> float:

@@ -92,6 +92,10 @@ def rates_of(
     """
     optics, detector = world.scenario.simulated_optics, world.scenario.simulated_detector
     in_colour = world.sensor.in_colour
+    if not groups:  # in the Earth's shadow
+        shape = (3,) if in_colour else (1,)
+        return list(np.zeros((*shape, world.camera.height, world.camera.width), np.float32))
+    groups = _left_free(world, groups, exposure)
     if in_colour:
         rates = colour_rates(groups, optics, detector)
     else:
@@ -125,4 +129,18 @@ def _glares(
             is_hidden(world.target, lens, towards),
         )
         if glare is not None:
-            yield group, glare
+            free = np.float32(world.sky.sunlit_share(group, exposure.time_s))
+            yield group, free * glare
+
+
+def _left_free(
+    world: World, groups: Mapping[LightGroup, Radiance], exposure: Exposure
+) -> dict[LightGroup, Radiance]:
+    """Return groups with each Sun as dim as the Earth leaves it: light is linear."""
+    scaled = dict(groups)
+    for group in groups:
+        if isinstance(group, SunGroup):
+            share = world.sky.sunlit_share(group, exposure.time_s)
+            if share < 1.0:
+                scaled[group] = groups[group] * np.float32(share)
+    return scaled

@@ -79,9 +79,15 @@ def keeping(request: RenderRequest) -> LightKeeping:
 
 def exposure_bytes(world: World) -> int:
     """Return the most that one exposure can take in the store: all that is never compressed."""
-    groups = max(len(world.groups(exposure)) for exposure in world.exposures[: len(world.bands)])
+    groups = _most_groups(world)
     each = GROUP_BYTES * groups + GEOMETRY_BYTES
     return each * world.camera.width * world.camera.height + HEADER_BYTES * (groups + 1)
+
+
+def _most_groups(world: World) -> int:
+    """Return how many groups light the exposure with the most: none do in the Earth's shadow."""
+    some = world.exposures if world.sky.eclipses else world.exposures[: len(world.bands)]
+    return max(len(world.groups(exposure)) for exposure in some)
 
 
 def checked_budget(request: RenderRequest, world: World) -> float:
@@ -94,7 +100,7 @@ def checked_budget(request: RenderRequest, world: World) -> float:
     """
     budget, least = budget_bytes(request.store_budget_gb), exposure_bytes(world)
     if keeping(request).uses_store and budget < least:
-        groups = len(world.groups(world.exposures[0]))
+        groups = _most_groups(world)
         raise ScenarioError(
             f"expected --store-budget-gb of at least {least / GB:.2g}, so that one exposure of "
             f"{groups} light groups at {world.camera.width} x {world.camera.height} is sure to "

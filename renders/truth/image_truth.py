@@ -22,7 +22,7 @@ import numpy as np
 from models.arrays import Floats, Mask
 from models.motion.relative_state import ChaserState, RelativeState
 from models.pose import RigidTransform
-from models.reading.bounds import FRAME, LENGTH_M, RATE_RAD_S, SPEED_M_S, TIME_S
+from models.reading.bounds import FRAME, LENGTH_M, RATE_RAD_S, SPEED_M_S, TIME_S, UNIT
 from models.reading.fields import Fields
 from renders.truth.exposure_truth import FAR_PX, direction, read_records
 from renders.world.exposure import FILTERED
@@ -57,6 +57,8 @@ class ImageTruth:
         Projection of each landmark of the wireframe with the true camera; NaN behind it.
     landmarks_visible : (m,) array of bool
         Whether the image holds it and nothing of the whole mesh stands before it.
+    sunlit_share : float
+        How much of the Sun's disc the Earth leaves free: 0 in its umbra, 1 in full light.
     """
 
     frame: int
@@ -68,6 +70,7 @@ class ImageTruth:
     earth_dir_in_target: Floats
     landmarks_px: Floats
     landmarks_visible: Mask
+    sunlit_share: float = 1.0
 
     @property
     def band(self) -> int:
@@ -90,6 +93,7 @@ class ImageTruth:
             "chaser_velocity_in_inertial_m_s": self.chaser.velocity_in_inertial.tolist(),
             "sun_dir_in_target": self.sun_dir_in_target.tolist(),
             "earth_dir_in_target": self.earth_dir_in_target.tolist(),
+            "sunlit_share": self.sunlit_share,
             "landmarks_px": pixels,
             "landmarks_visible": self.landmarks_visible.tolist(),
         }
@@ -124,6 +128,8 @@ class ImageTruth:
             earth_dir_in_target=direction(record, "earth_dir_in_target"),
             landmarks_px=landmarks_px,
             landmarks_visible=np.array(visible, dtype=np.bool_),
+            # Datasets of before lay in full light: a motion through the shadow was refused.
+            sunlit_share=record.number("sunlit_share", *UNIT) if "sunlit_share" in record else 1.0,
         )
 
 

@@ -56,6 +56,7 @@ def image_truth(
         earth_dir_in_target=towards_earth,
         landmarks_px=landmarks_px,
         landmarks_visible=visible,
+        sunlit_share=world.sunlit_share(exposure.time_s),
     )
 
 

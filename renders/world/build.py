@@ -38,10 +38,10 @@ from renders.world.bodies import Bodies
 from renders.world.cameras import ImagingSensor, colour_camera, pair_camera, single_camera
 from renders.world.checks import (
     Check,
-    Sunlit,
     centre_in_image,
     exposed_before_the_next,
     free_about_its_centre,
+    lit_in_some_image,
     outside_the_target,
     shown_in_some_image,
     sun_not_behind_the_earth,
@@ -171,6 +171,7 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
     told, known = table.onboard, table.onboard.knows_target is not False
     wireframe = wireframe_of(scenario) if known else wireframe_if_any(scenario)
     share, sky = scenario.pixel_scale**2, _sky(scenario, TurningWithOrbit(motion))
+    sky = replace(sky, eclipses=True)
     navigation = own_navigation(scenario, motion)
     return World(
         scenario=scenario,
@@ -201,6 +202,7 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
                 ),
                 sun_sigma_deg=told.sun_sigma_deg or 0.0,
                 earth_shines=told.sun_sigma_deg is not None and scenario.earth.shines,
+                earth_hides_sun=told.sun_sigma_deg is not None and sky.eclipses,
             ),
             light=ToldLight(scenario, told, wireframe if known else None),
             psf_sigma_px=scenario.simulated_optics.psf_sigma_px,
@@ -209,7 +211,7 @@ def _tumble(scenario: Scenario, table: TumbleTable) -> World:
             navigation=navigation,
         ),
         truth=OfLandmarks(motion, wireframe),
-        checks=(outside_the_target, free_about_its_centre, centre_in_image, Sunlit(motion)),
+        checks=(outside_the_target, free_about_its_centre, centre_in_image, lit_in_some_image),
         tables=(
             *chaser_tables(scenario, table, motion, navigation),
             *_range_finder(scenario, bodies, motion),

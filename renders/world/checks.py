@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -12,8 +11,6 @@ from models.errors import ScenarioError
 from models.lights.earth import EARTH_RADIUS_KM
 from models.spacecraft.inside import is_inside
 from renders.tracing.silhouette import in_sight, pieces_of
-from renders.world.moving_sun import inertial_sun
-from renders.world.trajectory import FreeMotion
 
 if TYPE_CHECKING:
     from renders.world.world import World
@@ -75,15 +72,28 @@ def centre_in_image(world: World) -> None:
             )
 
 
-def is_eclipsed(world: World) -> bool:
-    """Tell whether the Earth hides the world's Sun at some exposure."""
-    for check in world.checks:
-        if isinstance(check, Sunlit):
-            try:
-                check(world)
-            except ScenarioError:
-                return True
-    return False
+def is_dark(world: World) -> bool:
+    """Tell whether the Earth hides the whole of the world's Sun at some exposure."""
+    return any(world.sunlit_share(exposure.time_s) <= 0.0 for exposure in world.exposures)
+
+
+def lit_in_some_image(world: World) -> None:
+    """Refuse a motion that lies in the Earth's shadow from end to end, and shows no light.
+
+    Raises
+    ------
+    ScenarioError
+    """
+    for exposure in world.exposures:
+        if world.lit_by(exposure):
+            return
+    motion = world.scenario.motion
+    raise ScenarioError(
+        f"expected a Sun that the Earth does not hide, got {world.scenario.sun.default}: in all "
+        f"{len(world.exposures)} images, from {motion.start_s:g} to {motion.end_s:g} s, the target "
+        "is in the Earth's shadow; give another --sun (inertial axes), another "
+        "tumble.orbit.true_anomaly_deg, or a longer motion"
+    )
 
 
 def shown_in_some_image(world: World) -> None:
@@ -148,36 +158,3 @@ def sun_not_behind_the_earth(world: World) -> None:
                 f"{exposure.time_s:.1f} s it does: give another motion.epoch_utc, or another "
                 + ("orbit" if world.scenario.orbits is not None else "motion.longitude_deg")
             )
-
-
-@dataclass(frozen=True, eq=False)
-class Sunlit:
-    """Refuses a motion through the Earth's shadow.
-
-    Attributes
-    ----------
-    motion : FreeMotion
-    """
-
-    motion: FreeMotion
-
-    def __call__(self, world: World) -> None:
-        """Refuse it.
-
-        Raises
-        ------
-        ScenarioError
-            The message names the time.
-        """
-        table = world.scenario.sun
-        suns = [(table.default, world.sky.sun), *zip(table.shared, world.sky.shared, strict=True)]
-        for exposure in world.exposures:
-            position = 1e-3 * self.motion.chaser_state(exposure.time_s).position_in_inertial
-            for name, sun in suns:
-                along = float(position @ inertial_sun(world.scenario, sun, exposure.time_s))
-                if along < 0.0 and position @ position - along**2 < EARTH_RADIUS_KM**2:
-                    raise ScenarioError(
-                        f"expected a Sun that the Earth does not hide, got {name}: at "
-                        f"{exposure.time_s:.1f} s the chaser is in its shadow; give another --sun "
-                        "(inertial axes), or another tumble.orbit.true_anomaly_deg"
-                    )

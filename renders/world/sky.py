@@ -13,6 +13,7 @@ import numpy as np
 
 from models.arrays import Floats
 from models.lights.earth import Earth
+from models.lights.eclipse import share_past_earth
 from models.lights.sun import NAMED_SUNS, sun_direction, unit_direction
 from models.motion.attitude_wobble import AttitudeWobble
 from models.motion.table_motion import Stills
@@ -126,6 +127,8 @@ class Sky:
         Whether it shines, and how much of the Sun it returns.
     rows : Stills or None
         A table of poses whose rows may say what stands behind the target.
+    eclipses : bool
+        Whether the Earth hides a Sun that stands behind it: where both follow from an orbit.
     """
 
     turning: Turning
@@ -133,6 +136,7 @@ class Sky:
     shared: tuple[SunGroup, ...]
     earth: EarthTable
     rows: Stills | None = None
+    eclipses: bool = False
 
     def earth_at(self, time_s: float) -> tuple[Floats, float]:
         """Return the (3,) unit vector to the Earth's centre, target frame, and its distance, km."""
@@ -164,6 +168,36 @@ class Sky:
         """Return a Sun as it stands at an instant, in target axes."""
         x, y, z = self.turning.sun_in_target(sun.direction_in_target, time_s)
         return replace(sun, direction_in_target=(x, y, z))
+
+    def sunlit_share(self, sun: SunGroup, time_s: float) -> float:
+        """Return how much of a Sun's disc the Earth leaves free at an instant, 0 to 1.
+
+        Parameters
+        ----------
+        sun : SunGroup
+            As it stands then, in target axes.
+        time_s : float, s
+        """
+        if not self.eclipses:
+            return 1.0
+        down, distance_km = self.earth_at(time_s)
+        radius_rad = float(np.deg2rad(0.5 * sun.angular_diameter_deg))
+        return share_past_earth(np.array(sun.direction_in_target), down, distance_km, radius_rad)
+
+    def lit_under(self, sun: SunGroup, time_s: float) -> list[SunGroup | EarthGroup]:
+        """Return what a Sun gives light to at an instant: itself, and the Earth that it lights.
+
+        In the umbra that is nothing: what is seen of the Earth from there is its night.
+
+        Parameters
+        ----------
+        sun : SunGroup
+            As it stands then, in target axes.
+        time_s : float, s
+        """
+        if self.sunlit_share(sun, time_s) <= 0.0:
+            return []
+        return [sun, *self.earth_under(sun, time_s)]
 
     def earth_under(self, sun: SunGroup, time_s: float) -> list[EarthGroup]:
         """Return the Earth as a Sun lights it, if there is one."""

@@ -142,13 +142,18 @@ class World:
         """Return the groups that light one exposure under the scenario's Sun."""
         sun = self.sun_at(self.sun, exposure.time_s)
         lamps = self.sensor.stream(exposure.band).lamps
-        return self.sensor.seen([sun, *self.sky.earth_under(sun, exposure.time_s), *lamps])
+        return self.sensor.seen([*self.sky.lit_under(sun, exposure.time_s), *lamps])
 
     def groups(self, exposure: Exposure) -> list[LightGroup]:
-        """Return every group that is rendered for an exposure; the names are those of all."""
+        """Return every group that is rendered for an exposure; none of a Sun that is hidden."""
         suns = [self.sun_at(sun, exposure.time_s) for sun in self.suns]
-        earths = [earth for sun in suns for earth in self.sky.earth_under(sun, exposure.time_s)]
-        return self.sensor.seen([*suns, *earths, *self.sensor.stream(exposure.band).lamps])
+        lit = [group for sun in suns for group in self.sky.lit_under(sun, exposure.time_s)]
+        lit.sort(key=lambda group: isinstance(group, EarthGroup))
+        return self.sensor.seen([*lit, *self.sensor.stream(exposure.band).lamps])
+
+    def sunlit_share(self, time_s: float) -> float:
+        """Return how much of the scenario's Sun the Earth leaves free at an instant, 0 to 1."""
+        return self.sky.sunlit_share(self.sun_at(self.sun, time_s), time_s)
 
     def stance(self, time_s: float) -> Stance:
         """Return how the chaser stands at an instant; always the same if nothing moves."""

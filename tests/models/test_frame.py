@@ -69,6 +69,7 @@ def test_a_frame_holds_readings_and_times_and_no_truth() -> None:
             "sun_dir_in_inertial",
             "sun_sigma_deg",
             "earth_shines",
+            "earth_hides_sun",
             "earth_dir_in_inertial",
             "white_dn_ms",
         },

@@ -231,13 +231,21 @@ def test_the_earth_and_the_level_of_white_come_back_to_the_last_bit(folder: Path
     path = folder / EXPECTATIONS
     earth = np.array([0.5, 1.0, -2.0]) / np.sqrt(5.25)
     plain = read_expectations(path)
-    known = replace(plain, earth_shines=True, earth_dir_in_inertial=earth, white_dn_ms=13_611.7)
+    known = replace(
+        plain,
+        earth_shines=True,
+        earth_dir_in_inertial=earth,
+        white_dn_ms=13_611.7,
+        earth_hides_sun=True,
+    )
     assert not plain.earth_shines
+    assert not plain.earth_hides_sun
     path.write_text(expectations_to_toml(known))
     back = read_expectations(path)
     assert back.earth_dir_in_inertial is not None
     assert back.earth_dir_in_inertial.tobytes() == earth.tobytes()
     assert back.earth_shines
+    assert back.earth_hides_sun
     assert back.white_dn_ms == 13_611.7
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from models.errors import DatasetError
 from models.frame import CHASER_ORBIT, IMAGE, POINTS, Frame, TableReading
+from models.lights.earth import EARTH_RADIUS_KM
 from models.motion.relative_state import CHASER_ORBIT_COLUMNS, ChaserState
 from models.motion.tumble import CAM_FROM_LVLH
 from pipelines.uncooperative.knowledge import (
@@ -23,6 +24,7 @@ from tests.support.public_halves import IMAGES_ON_BOARD, PAIRS_ON_BOARD
 
 CHASER = ChaserState(0.9, np.array([7.1e6, 1 / 3, -2.0]), np.array([0.1, 7500.0, 1e-17]))
 IMAGE_DN = np.arange(24, dtype=np.uint16).reshape(4, 6)
+HALF_BY_A_ROUND_LIMB = 5e-3
 POINTS_PX = np.array([[1.5, 2.5], [1 / 3, -4.0], [700.0, 7.0]])
 
 
@@ -151,3 +153,27 @@ def test_the_earth_shines_from_where_the_orbit_has_it_and_as_near() -> None:
     light = ahead.daylight(ChaserState(0.0, out, along), 2.5)
     assert light is not None
     np.testing.assert_allclose(light.earth_in_cam, [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_the_share_of_the_sun_follows_from_the_orbit_where_the_earth_may_hide_it() -> None:
+    """Full before the Earth, half where its limb halves the Sun, none behind; by default full."""
+    known = UncooperativeKnowledge.of(IMAGES_ON_BOARD)
+    sun, radius_m = np.array([1.0, 0.0, 0.0]), 7.0e6
+    told = replace(known, sun_dir_in_inertial=sun, white_dn_ms=1000.0, earth_hides_sun=True)
+    limb = np.arcsin(EARTH_RADIUS_KM / 7000.0)
+
+    def at(off_rad: float) -> ChaserState:
+        """Stand so far off the line behind the Earth."""
+        place = radius_m * np.array([-np.cos(off_rad), np.sin(off_rad), 0.0])
+        return ChaserState(0.0, place, np.array([0.0, 0.0, 7.5e3]))
+
+    assert told.sunlit_share(at(np.pi)) == 1.0
+    assert told.sunlit_share(at(0.5 * limb)) == 0.0
+    assert abs(told.sunlit_share(at(limb)) - 0.5) < HALF_BY_A_ROUND_LIMB
+    assert told.daylight(at(0.5 * limb), 2.0) is None
+    dim = told.daylight(at(limb), 2.0)
+    assert dim is not None
+    assert dim.sunlit_share == told.sunlit_share(at(limb))
+    assert dim.white_dn == 2000.0  # white is of the whole Sun
+    for without in (replace(told, earth_hides_sun=False), replace(known, earth_hides_sun=True)):
+        assert without.sunlit_share(at(0.5 * limb)) == 1.0
