@@ -159,7 +159,7 @@ class FlightState:
         )
 
     def told(
-        self, camera: CameraName, said: PoseEstimate, expected: RigidTransform, jacobian: Floats
+        self, camera: CameraName, said: PoseEstimate, predicted: RigidTransform, jacobian: Floats
     ) -> tuple[FlightState, float]:
         """Take in a camera's pose; return the state, and the innovation's chi2 of six numbers.
 
@@ -167,7 +167,7 @@ class FlightState:
         ----------
         camera : str
         said : PoseEstimate
-        expected : RigidTransform
+        predicted : RigidTransform
             That camera's pose by this state.
         jacobian : (6, 6 + n) array
             How it follows pose and arm.
@@ -182,7 +182,7 @@ class FlightState:
         rows = np.zeros((POSE, len(self.numbers)))
         rows[:, :POSE], rows[:, ARM] = jacobian[:, :POSE], jacobian[:, POSE:]
         rows[:, LASTING[camera]] = effect
-        left = difference(said.cam_from_target, expected) - effect @ self.numbers[LASTING[camera]]
+        left = difference(said.cam_from_target, predicted) - effect @ self.numbers[LASTING[camera]]
         found = kalman.update(
             self.numbers,
             self.covariance,
