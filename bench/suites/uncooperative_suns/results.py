@@ -14,7 +14,6 @@ from scipy.stats import beta
 from bench.scoring.judgement import without_numbers
 from bench.scoring.tumble.navigation_errors import symmetric_attitude_deg
 from bench.suites.uncooperative_suns.cases import SUNS, MotionTask, draw_motion
-from bench.suites.uncooperative_suns.frame_plan import VARIANTS
 from bench.suites.uncooperative_suns.frames import known_of
 from bench.suites.uncooperative_suns.plan import Plan
 from bench.suites.units import done_outcome
@@ -271,18 +270,6 @@ def interval(wrong: int, claims: int) -> tuple[float, float]:
     low = float(beta.ppf(tail, wrong, claims - wrong + 1)) if wrong else 0.0
     high = float(beta.ppf(1.0 - tail, wrong + 1, claims - wrong)) if wrong < claims else 1.0
     return low, high
-
-
-def results_of(plan: Plan) -> dict[str, dict[str, Starts]]:
-    """Return all starts by target and variant."""
-    return {
-        plan.name(target): {
-            variant: starts_of(plan, target, variant)
-            for variant in VARIANTS
-            if plan.starts(target, variant)
-        }
-        for target in plan.targets
-    }
 
 
 def bin_places(values: Floats, edges: Sequence[float]) -> Indices:

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
-from importlib.metadata import version
-from typing import Any
+from dataclasses import replace
 
 from rich.console import Console
 
 from bench.report.numbers import count, number
-from bench.scoring.score import rounded
-from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
 from bench.suites.uncooperative_suns.page import write_suite_page
 from bench.suites.uncooperative_suns.plan import QUICK, Plan, Sizes
-from bench.suites.uncooperative_suns.results import Summary, results_of, summary_of
+from bench.suites.uncooperative_suns.results import Summary, starts_of, summary_of
+from bench.suites.uncooperative_suns.study import Study
 from bench.suites.uncooperative_suns.targets import TARGETS
-from bench.suites.units import LIBRARIES, WorkUnit
+from bench.suites.units import WorkUnit
 
 NAME = "uncooperative-suns"
 
@@ -69,39 +66,7 @@ def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
     ScenarioError, VariantError, StorageError
         Each says what to do; nothing already done is lost.
     """
-    return run_plan(plan_of(request), request.workers, console)
-
-
-def run_plan(plan: Plan, workers: int, console: Console) -> SuiteFiles:
-    """Do what is missing of a plan and write its results; see ``run_suite``.
-
-    Parameters
-    ----------
-    plan : Plan
-    workers : int
-        Processes.
-    console : Console
-        For progress.
-    """
-    plan.do_all(workers, console)
-    results = results_of(plan)
-    summaries = {
-        target: {variant: summary_of(starts) for variant, starts in own.items()}
-        for target, own in results.items()
-    }
-    settings = _settings(plan)
-    found = {t: {v: rounded(asdict(s)) for v, s in own.items()} for t, own in summaries.items()}
-    score = write_document(plan.out, NAME, settings, targets=found)
-    page = write_suite_page(plan.out / "suite.html", plan, results, summaries, settings)
-    return SuiteFiles(score, page, _summary(summaries))
-
-
-def _settings(plan: Plan) -> dict[str, Any]:
-    return {
-        **asdict(plan.sizes),
-        "targets": list(plan.targets),
-        "libraries": {name: version(name) for name in LIBRARIES},
-    }
+    return STUDY.run(plan_of(request), request.workers, console)
 
 
 def _summary(summaries: dict[str, dict[str, Summary]]) -> list[list[str]]:
@@ -116,3 +81,6 @@ def _summary(summaries: dict[str, dict[str, Summary]]) -> list[list[str]]:
                 ]
             )  # fmt: skip
     return rows
+
+
+STUDY = Study(NAME, starts_of, summary_of, write_suite_page, _summary)

@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from bench.suites.uncooperative_suns.cases import MotionTask
-from bench.suites.uncooperative_suns.frame_plan import VARIANTS
 from bench.suites.uncooperative_suns.results import LIT_ENOUGH, WRONG_DEG, WRONG_SHARE
 from bench.suites.uncooperative_tumbles.cases import DrawnTumble, drawn_scenario
 from bench.suites.uncooperative_tumbles.following import ERRORS
@@ -196,18 +195,6 @@ def followed_of(plan: Plan, target: str, variant: str) -> list[Followed]:
             )
         )
     return found
-
-
-def results_of(plan: Plan) -> dict[str, dict[str, list[Followed]]]:
-    """Return all tumbles by target and variant."""
-    return {
-        plan.name(target): {
-            variant: followed_of(plan, target, variant)
-            for variant in VARIANTS
-            if plan.starts(target, variant)
-        }
-        for target in plan.targets
-    }
 
 
 def summary_of(tumbles: Sequence[Followed]) -> Summary:

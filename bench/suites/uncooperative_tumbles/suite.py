@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
-from importlib.metadata import version
+from dataclasses import replace
 from typing import Any
 
 from rich.console import Console
 
 from bench.report.numbers import count, number
-from bench.scoring.score import rounded
-from bench.suites.folder import write_document
 from bench.suites.request import SuiteFiles, SuiteRequest
+from bench.suites.uncooperative_suns.study import Study
 from bench.suites.uncooperative_suns.targets import TARGETS
 from bench.suites.uncooperative_tumbles.page import write_suite_page
 from bench.suites.uncooperative_tumbles.plan import QUICK, Plan, Sizes
-from bench.suites.uncooperative_tumbles.results import Summary, results_of, summary_of
-from bench.suites.units import LIBRARIES, WorkUnit
+from bench.suites.uncooperative_tumbles.results import Summary, followed_of, summary_of
+from bench.suites.units import WorkUnit
 
 NAME = "uncooperative-tumbles"
 
@@ -66,35 +64,7 @@ def run_suite(request: SuiteRequest, console: Console) -> SuiteFiles:
     ScenarioError, VariantError, StorageError
         Each says what to do; nothing already done is lost.
     """
-    return run_plan(plan_of(request), request.workers, console)
-
-
-def run_plan(plan: Plan, workers: int, console: Console) -> SuiteFiles:
-    """Do what is missing of a plan and write its results; see ``run_suite``.
-
-    Parameters
-    ----------
-    plan : Plan
-    workers : int
-        Processes.
-    console : Console
-        For progress.
-    """
-    plan.do_all(workers, console)
-    results = results_of(plan)
-    summaries = {
-        target: {variant: summary_of(tumbles) for variant, tumbles in own.items()}
-        for target, own in results.items()
-    }
-    settings = {
-        **asdict(plan.sizes),
-        "targets": list(plan.targets),
-        "libraries": {name: version(name) for name in LIBRARIES},
-    }
-    found = {t: {v: rounded(asdict(s)) for v, s in own.items()} for t, own in summaries.items()}
-    score = write_document(plan.out, NAME, settings, targets=found)
-    page = write_suite_page(plan.out / "suite.html", plan, results, summaries, settings)
-    return SuiteFiles(score, page, _summary(summaries))
+    return STUDY.run(plan_of(request), request.workers, console)
 
 
 def _summary(summaries: dict[str, dict[str, Summary]]) -> list[list[str]]:
@@ -111,3 +81,6 @@ def _summary(summaries: dict[str, dict[str, Summary]]) -> list[list[str]]:
                 ]
             )  # fmt: skip
     return rows
+
+
+STUDY = Study(NAME, followed_of, summary_of, write_suite_page, _summary)

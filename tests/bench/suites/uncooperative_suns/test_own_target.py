@@ -13,7 +13,7 @@ from rich.console import Console
 from bench.suites.request import SuiteRequest
 from bench.suites.uncooperative_suns.frames import drawn
 from bench.suites.uncooperative_suns.plan import Plan, Sizes
-from bench.suites.uncooperative_suns.suite import run_plan, units_of
+from bench.suites.uncooperative_suns.suite import STUDY, units_of
 from bench.suites.uncooperative_suns.told import REFLECTANCE_SIGMA, onboard_of
 from models.errors import ScenarioError
 from models.spacecraft.own.build import read_own_target
@@ -30,7 +30,7 @@ def probe(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_it_is_counted_under_its_files_name(probe: Path, tmp_path: Path) -> None:
-    run_plan(Plan(SIZES, (str(probe),), tmp_path / "out"), 1, QUIET)
+    STUDY.run(Plan(SIZES, (str(probe),), tmp_path / "out"), 1, QUIET)
     (found,) = json.loads((tmp_path / "out" / "suite.json").read_text())["targets"].values()
     every = found["best"]["every"]
     assert every["starts"] == 4

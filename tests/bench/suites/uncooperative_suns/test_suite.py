@@ -16,7 +16,7 @@ from bench.suites.request import SuiteRequest
 from bench.suites.shared_units import do_share, shares_of
 from bench.suites.uncooperative_suns import frame_plan, suite
 from bench.suites.uncooperative_suns.plan import Plan, Sizes
-from bench.suites.uncooperative_suns.suite import plan_of, run_plan
+from bench.suites.uncooperative_suns.suite import STUDY, plan_of
 from bench.suites.units import WorkUnit, outcome_path
 from models.errors import ScenarioError
 
@@ -31,7 +31,7 @@ def plan(out: Path) -> Plan:
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("suns") / "out"
-    run_plan(plan(out), 1, QUIET)
+    STUDY.run(plan(out), 1, QUIET)
     return out
 
 
@@ -44,7 +44,7 @@ def test_frames_and_starts_are_the_same_bits_when_done_again(done: Path, tmp_pat
     ]
     for folder, unit in gone:
         outcome_path(folder, unit).unlink()
-    run_plan(plan(out), 2, QUIET)
+    STUDY.run(plan(out), 2, QUIET)
     for folder, unit in gone:
         same = outcome_path(done / folder.name, unit).read_bytes()
         assert outcome_path(folder, unit).read_bytes() == same

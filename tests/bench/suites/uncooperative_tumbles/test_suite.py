@@ -13,7 +13,7 @@ from rich.console import Console
 
 from bench.suites.request import SuiteRequest
 from bench.suites.uncooperative_tumbles.plan import Plan, Sizes
-from bench.suites.uncooperative_tumbles.suite import plan_of, run_plan
+from bench.suites.uncooperative_tumbles.suite import STUDY, plan_of
 from bench.suites.units import outcome_path
 from models.errors import ScenarioError
 
@@ -28,7 +28,7 @@ def plan(out: Path) -> Plan:
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("tumbles") / "out"
-    run_plan(plan(out), 1, QUIET)
+    STUDY.run(plan(out), 1, QUIET)
     return out
 
 
@@ -41,7 +41,7 @@ def test_what_is_gone_is_done_again_to_the_same_bits(done: Path, tmp_path: Path)
     ]
     for folder, unit in gone:
         outcome_path(folder, unit).unlink()
-    run_plan(plan(out), 2, QUIET)
+    STUDY.run(plan(out), 2, QUIET)
     for folder, unit in gone:
         same = outcome_path(done / folder.name, unit).read_bytes()
         assert outcome_path(folder, unit).read_bytes() == same
