@@ -35,6 +35,7 @@ def surface_figure(own: Floats, true: Floats) -> str:
                 image = shaded(triangles, (across, up, along), low, high)
                 extent = (low[across], high[across], low[up], high[up])
                 panel.imshow(image, origin="lower", extent=extent, cmap="gray", vmin=0.0, vmax=1.0)
+                panel.grid(visible=False)
                 panel.set_title(title)
                 panel.set_xlabel(right)
                 panel.set_ylabel(top)
